@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# Makes the machine ready and runs every test. All steps run; the exit status is 1 if any failed.
+#
+# One profile only (release): the cases on 1 to 4 ranks would be slow without optimisation, and a
+# second profile would compile every dependency twice.
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+cd "$root"
+# shellcheck source=scripts/setup.sh
+. scripts/setup.sh
+# shellcheck source=scripts/mpi_env.sh
+. scripts/mpi_env.sh
+setup_packages python3-venv
+setup_cargo
+
+failed=()
+step() {
+    local name=$1 start=$SECONDS
+    shift
+    printf '\n== %s: %s\n' "$name" "$*"
+    if "$@"; then
+        printf '== %s: passed in %d s\n' "$name" $((SECONDS - start))
+    else
+        printf '== %s: FAILED (status %d) after %d s\n' "$name" $? $((SECONDS - start))
+        failed+=("$name")
+    fi
+}
+
+step format cargo fmt --check
+step lints cargo clippy --release --all-targets -- -D warnings
+step tests cargo test --release --no-fail-fast
+if [ -x scripts/check_fields.sh ]; then
+    step fields scripts/check_fields.sh
+fi
+step plot python3 scripts/plot_history.py --self-test
+
+printf '\n'
+if [ ${#failed[@]} -gt 0 ]; then
+    printf 'FAILED: %s (%d s)\n' "${failed[*]}" "$SECONDS"
+    exit 1
+fi
+printf 'all steps passed (%d s)\n' "$SECONDS"

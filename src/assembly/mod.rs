@@ -1,0 +1,87 @@
+//! The discrete problem of one rank: cells, nodes, jump rows; forces and tangent from them.
+//!
+//! The tangent is that of the condensed form (docs/theory.md): no multipliers, and the secondary
+//! displacement eliminated where the jump is known. Its graph does not depend on the state.
+
+mod cells;
+mod pattern;
+mod tangent;
+
+pub use cells::{CellSet, Cells};
+pub use pattern::Pattern;
+pub use tangent::{NodeState, Tangent};
+
+use crate::interface::JumpRows;
+use crate::space::{Nodes, Prescribed};
+
+/// What the assembly knows of the discretisation, by local number.
+pub struct Discretization {
+    /// Displacement components per node.
+    pub dim: usize,
+    /// The cells of this rank.
+    pub cells: Cells,
+    /// The nodes of this rank.
+    pub nodes: Nodes,
+    /// Prescribed components of each local node.
+    pub prescribed: Vec<[bool; 3]>,
+    /// Jump rows of the secondary nodes, owned ones first, by rising local number.
+    pub secondary: Vec<JumpRows<u32>>,
+    /// Index into `secondary` of each local node.
+    pub secondary_of: Vec<Option<u32>>,
+}
+
+impl Discretization {
+    /// Puts the parts together; `rows` name their nodes, all of which `nodes` must hold.
+    pub fn new(
+        dim: usize,
+        cells: Cells,
+        nodes: Nodes,
+        prescribed: &Prescribed,
+        rows: Vec<JumpRows<u64>>,
+    ) -> Self {
+        let mut secondary: Vec<JumpRows<u32>> = rows
+            .into_iter()
+            .map(|r| r.renamed(|name| nodes.local(name).expect("the row's nodes are held")))
+            .collect();
+        secondary.sort_by_key(|r| r.node);
+        let mut secondary_of = vec![None; nodes.len()];
+        for (index, rows) in secondary.iter().enumerate() {
+            secondary_of[rows.node as usize] = Some(index as u32);
+        }
+        let prescribed = nodes.names.iter().map(|n| prescribed.components_of(*n)).collect();
+        let mut all = Self { dim, cells, nodes, prescribed, secondary, secondary_of };
+        all.mark_interface_cells();
+        all
+    }
+
+    /// Secondary nodes that this rank owns; they stand first in `secondary`.
+    pub fn owned_secondary(&self) -> usize {
+        self.secondary.partition_point(|r| (r.node as usize) < self.nodes.owned)
+    }
+
+    /// The nodes whose rows of the tangent a cell contributes to: its own, and those over which the
+    /// jump rows of its secondary nodes extend and that are not prescribed.
+    pub fn coupled_nodes(&self, cell: usize, out: &mut Vec<u32>) {
+        out.clear();
+        out.extend_from_slice(self.cells.nodes(cell));
+        for i in 0..out.len() {
+            let Some(index) = self.secondary_of[out[i] as usize] else { continue };
+            for row in self.secondary[index as usize].rows.iter().flatten() {
+                for (node, _) in &row.others {
+                    if !out.contains(node) {
+                        out.push(*node);
+                    }
+                }
+            }
+        }
+    }
+
+    fn mark_interface_cells(&mut self) {
+        let touches = |cell: usize| {
+            self.cells.nodes(cell).iter().any(|n| self.secondary_of[*n as usize].is_some())
+        };
+        let layer: Vec<u32> =
+            (0..self.cells.len()).filter(|c| touches(*c)).map(|c| c as u32).collect();
+        self.cells.set_layer(layer);
+    }
+}

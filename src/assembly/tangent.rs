@@ -1,0 +1,302 @@
+//! The tangent matrix of the condensed form.
+//!
+//! Unknowns of the linear system are the displacements of all nodes; at a component whose jump is
+//! known ("stuck") the secondary displacement is eliminated through its jump row, and its own row
+//! becomes the identity. Prescribed components have identity rows and columns too. Only rows near
+//! an interface depend on the state; they alone are set anew when it changes.
+
+use super::{Discretization, Pattern};
+use crate::error::Result;
+use crate::petsc::Matrix;
+
+/// State of a secondary node as the tangent sees it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NodeState {
+    /// Components whose jump is known.
+    pub stuck: [bool; 3],
+    /// Derivative of the traction by the jump on the other components (Pa/m), symmetric.
+    pub tangent: [[f64; 3]; 3],
+}
+
+impl NodeState {
+    /// Adherence in all components.
+    pub const STUCK: Self = Self { stuck: [true; 3], tangent: [[0.0; 3]; 3] };
+    /// Numbers of the packed form.
+    pub const WIDTH: usize = 12;
+
+    /// As numbers, for the exchange between ranks.
+    pub fn pack(&self) -> [f64; Self::WIDTH] {
+        std::array::from_fn(|i| {
+            if i < 3 { f64::from(u8::from(self.stuck[i])) } else { self.tangent[i / 3 - 1][i % 3] }
+        })
+    }
+
+    /// Back from the packed form.
+    pub fn unpack(words: &[f64]) -> Self {
+        Self {
+            stuck: std::array::from_fn(|i| words[i] != 0.0),
+            tangent: std::array::from_fn(|i| std::array::from_fn(|j| words[3 + 3 * i + j])),
+        }
+    }
+}
+
+/// Sets the values of the tangent.
+pub struct Tangent {
+    pattern: Pattern,
+    /// Cells with a node in an interface row.
+    zone: Vec<u32>,
+    /// Diagonal entry of identity rows (N/m): of the size of the others.
+    pub diagonal: f64,
+    assembled: bool,
+}
+
+/// How one component of one node appears in the unknowns.
+type Expansion = Vec<(usize, f64)>;
+
+impl Tangent {
+    /// `diagonal` must be the same on all ranks.
+    pub fn new(all: &Discretization, mut pattern: Pattern, diagonal: f64) -> Self {
+        pattern.forget_columns();
+        let near = |cell: &u32| {
+            all.cells.nodes(*cell as usize).iter().any(|n| pattern.is_interface_row[*n as usize])
+        };
+        let zone = (0..all.cells.len() as u32).filter(near).collect();
+        Self { pattern, zone, diagonal, assembled: false }
+    }
+
+    /// Sets all values the first time, those of the interface rows later. `state` gives the state
+    /// of every entry of `all.secondary`. Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc refuses a value, for instance one outside the graph.
+    pub fn assemble(
+        &mut self,
+        all: &Discretization,
+        state: &[NodeState],
+        matrix: &mut Matrix,
+    ) -> Result<()> {
+        let first_time = !self.assembled;
+        if first_time {
+            matrix.zero()?;
+        } else {
+            let rows: Vec<i32> = self
+                .pattern
+                .interface_rows
+                .iter()
+                .flat_map(|n| (0..all.dim as i32).map(|c| (all.nodes.numbers[*n as usize], c)))
+                .map(|(number, c)| number * all.dim as i32 + c)
+                .collect();
+            matrix.zero_rows_keep_pattern(&rows)?;
+        }
+        let mut work = Work::default();
+        if first_time {
+            for cell in 0..all.cells.len() {
+                self.add_cell(all, state, cell, true, &mut work, matrix)?;
+            }
+        } else {
+            for cell in &self.zone {
+                self.add_cell(all, state, *cell as usize, false, &mut work, matrix)?;
+            }
+        }
+        for index in 0..all.owned_secondary() {
+            add_law(all, &all.secondary[index], &state[index], matrix)?;
+        }
+        self.add_identity_rows(all, state, first_time, matrix)?;
+        matrix.assemble()?;
+        self.assembled = true;
+        Ok(())
+    }
+
+    fn add_cell(
+        &self,
+        all: &Discretization,
+        state: &[NodeState],
+        cell: usize,
+        every_row: bool,
+        work: &mut Work,
+        matrix: &mut Matrix,
+    ) -> Result<()> {
+        let nodes = all.cells.nodes(cell);
+        let dim = all.dim;
+        let stiffness = &all.cells.stiffness(cell).matrix;
+        let near_interface = nodes.iter().any(|n| all.secondary_of[*n as usize].is_some());
+        if near_interface {
+            all.coupled_nodes(cell, &mut work.coupled);
+        } else {
+            work.coupled.clear();
+            work.coupled.extend_from_slice(nodes);
+        }
+        let number = |n: &u32| all.nodes.numbers[*n as usize];
+        work.columns.clear();
+        work.columns.extend(work.coupled.iter().map(number));
+        work.rows.clear();
+        work.rows.extend(work.coupled.iter().map(|n| {
+            if every_row || self.pattern.is_interface_row[*n as usize] { number(n) } else { -1 }
+        }));
+        let plain = !near_interface && nodes.iter().all(|n| all.prescribed[*n as usize] == [false; 3]);
+        if plain {
+            return matrix.add_blocked(&work.rows, &work.columns, stiffness);
+        }
+        work.expansions.clear();
+        for node in nodes {
+            for component in 0..dim {
+                work.expansions.push(expand(all, state, *node, component, &work.coupled));
+            }
+        }
+        transform(stiffness, &work.expansions, work.coupled.len(), dim, &mut work.values);
+        matrix.add_blocked(&work.rows, &work.columns, &work.values)
+    }
+
+    /// The identity rows of prescribed and stuck components of owned nodes.
+    fn add_identity_rows(
+        &self,
+        all: &Discretization,
+        state: &[NodeState],
+        every_row: bool,
+        matrix: &mut Matrix,
+    ) -> Result<()> {
+        let dim = all.dim;
+        let mut block = vec![0.0; dim * dim];
+        for node in 0..all.nodes.owned {
+            if !every_row && !self.pattern.is_interface_row[node] {
+                continue;
+            }
+            let identity = identity_components(all, state, node);
+            if identity[..dim].contains(&true) {
+                for c in 0..dim {
+                    block[c * dim + c] = if identity[c] { self.diagonal } else { 0.0 };
+                }
+                let number = [all.nodes.numbers[node]];
+                matrix.add_blocked(&number, &number, &block)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Components of a local node whose row is the identity.
+fn identity_components(
+    all: &Discretization,
+    state: &[NodeState],
+    node: usize,
+) -> [bool; 3] {
+    let mut identity = all.prescribed[node];
+    if let Some(index) = all.secondary_of[node] {
+        let rows = &all.secondary[index as usize].rows;
+        for c in 0..all.dim {
+            identity[c] |= rows[c].is_some() && state[index as usize].stuck[c];
+        }
+    }
+    identity
+}
+
+#[derive(Default)]
+struct Work {
+    coupled: Vec<u32>,
+    rows: Vec<i32>,
+    columns: Vec<i32>,
+    expansions: Vec<Expansion>,
+    values: Vec<f64>,
+}
+
+/// A component of a node over the unknowns of `coupled`: empty where prescribed, the jump row where
+/// stuck, else itself.
+fn expand(
+    all: &Discretization,
+    state: &[NodeState],
+    node: u32,
+    component: usize,
+    coupled: &[u32],
+) -> Expansion {
+    let place = |n: u32| coupled.iter().position(|c| *c == n).expect("a coupled node");
+    if all.prescribed[node as usize][component] {
+        return Vec::new();
+    }
+    let row = all.secondary_of[node as usize].and_then(|index| {
+        let row = all.secondary[index as usize].rows[component].as_ref();
+        row.filter(|_| state[index as usize].stuck[component])
+    });
+    match row {
+        None => vec![(place(node), 1.0)],
+        Some(row) => row
+            .others
+            .iter()
+            .filter(|(n, _)| !all.prescribed[*n as usize][component])
+            .map(|(n, a)| (place(*n), -a / row.own))
+            .collect(),
+    }
+}
+
+/// T^T K T, of `coupled` x `coupled` blocks.
+fn transform(
+    stiffness: &[f64],
+    expansions: &[Expansion],
+    coupled: usize,
+    dim: usize,
+    values: &mut Vec<f64>,
+) {
+    let n = expansions.len();
+    let width = coupled * dim;
+    values.clear();
+    values.resize(width * width, 0.0);
+    for (i, rows) in expansions.iter().enumerate() {
+        for (j, columns) in expansions.iter().enumerate() {
+            let k = stiffness[i * n + j];
+            for (row, a) in rows {
+                for (column, b) in columns {
+                    values[(row * dim + i % dim) * width + column * dim + j % dim] += a * k * b;
+                }
+            }
+        }
+    }
+}
+
+/// Adds the law's tangent at an owned secondary node: sum of weight a_k C a_l over its rows, and
+/// explicit zeros where the state may put a value later.
+fn add_law(
+    all: &Discretization,
+    rows: &crate::interface::JumpRows<u32>,
+    state: &NodeState,
+    matrix: &mut Matrix,
+) -> Result<()> {
+    let dim = all.dim;
+    let mut nodes = vec![rows.node];
+    for (node, _) in rows.rows.iter().flatten().flat_map(|r| &r.others) {
+        if !nodes.contains(node) {
+            nodes.push(*node);
+        }
+    }
+    // a[c][k]: coefficient of node k in the jump of component c; 0 where it is not an unknown.
+    let mut a = vec![vec![0.0; nodes.len()]; dim];
+    let mut weight = [0.0; 3];
+    for c in (0..dim).filter(|c| !state.stuck[*c]) {
+        let Some(row) = &rows.rows[c] else { continue };
+        weight[c] = row.weight;
+        let unknown = |n: u32| !all.prescribed[n as usize][c];
+        for (k, node) in nodes.iter().enumerate() {
+            let coefficient = if k == 0 {
+                row.own
+            } else {
+                row.others.iter().find(|(n, _)| n == node).map_or(0.0, |(_, a)| *a)
+            };
+            a[c][k] = if unknown(*node) { coefficient } else { 0.0 };
+        }
+    }
+    let width = nodes.len() * dim;
+    let mut values = vec![0.0; width * width];
+    for c in 0..dim {
+        for d in 0..dim {
+            let factor = (weight[c] * weight[d]).sqrt() * state.tangent[c][d];
+            if factor == 0.0 {
+                continue;
+            }
+            for k in 0..nodes.len() {
+                for l in 0..nodes.len() {
+                    values[(k * dim + c) * width + l * dim + d] += factor * a[c][k] * a[d][l];
+                }
+            }
+        }
+    }
+    let numbers: Vec<i32> = nodes.iter().map(|n| all.nodes.numbers[*n as usize]).collect();
+    matrix.add_blocked(&numbers, &numbers, &values)
+}

@@ -1,0 +1,216 @@
+//! Body force, surface tractions and fluid pressure on the lips of the interfaces.
+
+use crate::case::{Case, Surface, Value};
+use crate::element::{MAX_NODES, Shape, gauss};
+use crate::error::{Error, Result};
+use crate::mesh::{CellPlace, LocalMesh, axes};
+
+/// The loads of one rank's cells, ready to be evaluated at any time.
+#[derive(Debug, Clone, Default)]
+pub struct Loads {
+    patches: Vec<Patch>,
+    sources: Vec<Source>,
+    dim: usize,
+}
+
+/// A load of the case: one vector field, by axis.
+#[derive(Debug, Clone)]
+struct Source {
+    /// Where it stands in the case, for messages.
+    name: String,
+    components: [Option<Value>; 3],
+    sign: f64,
+}
+
+/// A cell or a facet under one load.
+#[derive(Debug, Clone)]
+struct Patch {
+    source: usize,
+    nodes: Vec<u64>,
+    points: Vec<LoadPoint>,
+}
+
+#[derive(Debug, Clone)]
+struct LoadPoint {
+    position: [f64; 3],
+    /// Weight times measure (m3 or m2).
+    weight: f64,
+    values: [f64; MAX_NODES],
+}
+
+impl Loads {
+    /// Finds the loaded cells and facets of this rank. Local.
+    pub fn new(case: &Case, mesh: &LocalMesh) -> Self {
+        let mut loads = Self { dim: case.dim, ..Self::default() };
+        let body = case.body_force.clone().map(|v| (!v.is_zero()).then_some(v));
+        if body.iter().any(Option::is_some) {
+            let source = loads.source("body_force".into(), body, 1.0);
+            for cell in &mesh.cells {
+                let place = mesh.column.cell_place(*cell);
+                loads.patch(mesh, source, place, None);
+            }
+        }
+        for entry in &case.boundary {
+            let traction = entry.traction.clone().map(|v| v.filter(|v| !v.is_zero()));
+            if traction.iter().any(Option::is_some) {
+                let name = format!("boundary on {}: traction", entry.on.name());
+                let source = loads.source(name, traction, 1.0);
+                loads.facets(mesh, source, |place| on_surface(mesh, place, entry.on));
+            }
+        }
+        for (index, interface) in case.interfaces.iter().enumerate() {
+            let pressure = interface.fluid_pressure.clone().filter(|v| !v.is_zero());
+            if pressure.is_some() {
+                let name = format!("interfaces.{}: fluid.pressure", interface.name);
+                for (sign, upper) in [(1.0, false), (-1.0, true)] {
+                    let source = loads.source(name.clone(), [None, None, pressure.clone()], sign);
+                    loads.facets(mesh, source, |place| on_lip(mesh, place, index, upper));
+                }
+            }
+        }
+        loads
+    }
+
+    /// Whether this rank has no load.
+    pub fn is_empty(&self) -> bool {
+        self.patches.is_empty()
+    }
+
+    /// Adds the nodal forces at `time` (N): `add(name of the node, component, force)`. Local.
+    ///
+    /// # Errors
+    /// `Input` when a formula gives no finite number at a quadrature point.
+    pub fn add(&self, time: f64, mut add: impl FnMut(u64, usize, f64)) -> Result<()> {
+        for patch in &self.patches {
+            let source = &self.sources[patch.source];
+            for point in &patch.points {
+                for (component, axis) in axes(self.dim).iter().enumerate() {
+                    let Some(value) = &source.components[*axis] else { continue };
+                    let density = value.at(point.position, time);
+                    if !density.is_finite() {
+                        return Err(Error::Input(format!(
+                            "{}.{} is {density} at {:?} m and time {time}; the formula must give \
+                             finite numbers wherever the load acts",
+                            source.name,
+                            ["x", "y", "z"][*axis],
+                            point.position,
+                        )));
+                    }
+                    let force = source.sign * density * point.weight;
+                    for (node, n) in patch.nodes.iter().zip(&point.values) {
+                        add(*node, component, force * n);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn source(&mut self, name: String, components: [Option<Value>; 3], sign: f64) -> usize {
+        self.sources.push(Source { name, components, sign });
+        self.sources.len() - 1
+    }
+
+    fn facets(
+        &mut self,
+        mesh: &LocalMesh,
+        source: usize,
+        facet: impl Fn(CellPlace) -> Option<usize>,
+    ) {
+        for cell in &mesh.cells {
+            let place = mesh.column.cell_place(*cell);
+            if let Some(facet) = facet(place) {
+                self.patch(mesh, source, place, Some(facet));
+            }
+        }
+    }
+
+    fn patch(&mut self, mesh: &LocalMesh, source: usize, place: CellPlace, facet: Option<usize>) {
+        let cell = cell_shape(self.dim);
+        let mut nodes = mesh.column.cell_nodes(place);
+        let mut shape = cell;
+        if let Some(facet) = facet {
+            nodes = cell.facets()[facet].iter().map(|a| nodes[*a]).collect();
+            shape = if self.dim == 2 { Shape::Line2 } else { Shape::Quad4 };
+        }
+        let corners: Vec<[f64; 3]> = nodes.iter().map(|n| mesh.column.point(*n)).collect();
+        // Cells are boxes: the measure is the product of the non-zero edge lengths.
+        let far = corners.iter().fold(corners[0], |far, c| {
+            std::array::from_fn(|i| if (c[i] - corners[0][i]).abs() > (far[i] - corners[0][i]).abs() { c[i] } else { far[i] })
+        });
+        let measure: f64 =
+            (0..3).map(|i| (far[i] - corners[0][i]).abs()).filter(|l| *l > 0.0).product();
+        let points = gauss(shape, 2)
+            .iter()
+            .map(|q| {
+                let mut values = [0.0; MAX_NODES];
+                shape.values(q.xi, &mut values);
+                let position = std::array::from_fn(|i| {
+                    corners.iter().zip(&values).map(|(c, n)| c[i] * n).sum()
+                });
+                let weight = q.weight * measure / f64::from(1 << shape.dim());
+                LoadPoint { position, weight, values }
+            })
+            .collect();
+        self.patches.push(Patch { source, nodes, points });
+    }
+}
+
+fn cell_shape(dim: usize) -> Shape {
+    if dim == 2 { Shape::Quad4 } else { Shape::Hex8 }
+}
+
+/// Number of the facet in `Shape::facets` that looks along an axis, to its lower or upper end.
+fn facet_towards(dim: usize, axis: usize, upper: bool) -> usize {
+    match (dim, axis, upper) {
+        (2, 2, false) => 0,
+        (2, 0, true) => 1,
+        (2, 2, true) => 2,
+        (2, _, _) => 3,
+        (_, 2, low_or_high) => usize::from(low_or_high),
+        (_, 1, false) => 2,
+        (_, 0, true) => 3,
+        (_, 1, true) => 4,
+        _ => 5,
+    }
+}
+
+/// The facet of a cell that lies on a named surface.
+fn on_surface(mesh: &LocalMesh, place: CellPlace, surface: Surface) -> Option<usize> {
+    let (axis, upper) = surface.axis()?;
+    let last = mesh.column.extent(place.body)[axis] - 1;
+    let end = if axis == 2 {
+        let body = if upper { mesh.column.bodies() - 1 } else { 0 };
+        place.body == body && place.at[2] == if upper { last } else { 0 }
+    } else {
+        place.at[axis] == if upper { last } else { 0 }
+    };
+    end.then(|| facet_towards(mesh.dim(), axis, upper))
+}
+
+/// The facet of a cell that is a lip of an interface; `upper` faces of bodies are lower lips.
+fn on_lip(mesh: &LocalMesh, place: CellPlace, interface: usize, upper: bool) -> Option<usize> {
+    let last = mesh.column.extent(place.body)[2] - 1;
+    let (body, k) = if upper { (interface, last) } else { (interface + 1, 0) };
+    (place.body == body && place.at[2] == k).then(|| facet_towards(mesh.dim(), 2, upper))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn facets_look_where_they_should() {
+        for dim in [2, 3] {
+            let shape = cell_shape(dim);
+            for axis in axes(dim) {
+                for upper in [false, true] {
+                    let component = axes(dim).iter().position(|a| a == axis).expect("an axis");
+                    let side = if upper { 1.0 } else { -1.0 };
+                    let facet = shape.facets()[facet_towards(dim, *axis, upper)];
+                    assert!(facet.iter().all(|a| shape.vertices()[*a][component] == side));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,381 @@
+//! From the sections of the file to the checked case: the rules that span several keys.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use super::file::{CaseFile, MaterialSection};
+use super::problems::Problems;
+use super::tree::{Node, number_text};
+use super::{Case, Cells, InterfaceSpec, LawSpec, Material, MeshSpec, PhysicsDecision, SolverSpec};
+use super::{Form, Linear, supports};
+use crate::error::Result;
+
+/// What is said of everything that the contract plans and the program cannot do yet.
+pub(super) const LATER: &str = "is not yet available";
+
+/// The largest number of displacement unknowns that 32-bit indices can number.
+const MOST_UNKNOWNS: u128 = i32::MAX as u128;
+
+pub(super) struct Checker<'a> {
+    pub tree: &'a Node,
+    pub problems: Problems<'a>,
+    /// Sections that could not be read and hold placeholders.
+    pub broken: BTreeSet<String>,
+    /// 2 or 3.
+    pub dim: usize,
+    pub left_out: Vec<String>,
+}
+
+impl Checker<'_> {
+    pub fn add(&mut self, path: &str, reason: impl std::fmt::Display) {
+        self.problems.add(self.tree, path, reason);
+    }
+
+    /// Whether all these sections hold what the file says.
+    pub fn sound(&self, sections: &[&str]) -> bool {
+        sections.iter().all(|section| !self.broken.contains(*section))
+    }
+
+    /// Checks everything and builds the case.
+    ///
+    /// # Errors
+    /// All mistakes, one line each.
+    pub fn case(mut self, mut file: CaseFile, path: &Path) -> Result<Case> {
+        let stem = path.file_stem().map_or("case".into(), |stem| stem.to_string_lossy());
+        let mesh = self.mesh(&file);
+        let materials = self.materials(&file, &mesh);
+        let interfaces = self.interfaces(&file, &mesh);
+        let boundary = self.boundary(&file);
+        let body_force = self.body_force(&file);
+        let (time, start) = self.time(&file);
+        self.solver(&file.solver);
+        let physics = self.physics(&file, &materials);
+        if self.sound(&["mesh", "materials", "interfaces"]) {
+            self.cells(&file, &mesh, &materials, &interfaces);
+        }
+        if self.sound(&["boundary", "time"]) {
+            self.agreement(&boundary, &time);
+        }
+        if self.sound(&["mesh", "interfaces", "boundary"]) && self.problems.is_empty() {
+            for reason in supports::free_motions(&mesh, &interfaces, &boundary, self.dim) {
+                self.add("boundary", format!("leaves a body free: {reason}"));
+            }
+        }
+        file.output.directory.get_or_insert_with(|| format!("results/{stem}"));
+        file.title.get_or_insert_with(|| stem.into_owned());
+        file.physics = super::file::Physics::Mechanics;
+        let output = self.output(&file, &time);
+        let probes = self.probes(&file, &mesh, &interfaces);
+        let mut case = Case {
+            title: file.title.clone().unwrap_or_default(),
+            dim: self.dim,
+            mesh,
+            materials,
+            interfaces,
+            boundary,
+            body_force,
+            physics,
+            time,
+            start,
+            solver: file.solver.clone(),
+            output,
+            probes,
+            expect: Vec::new(),
+            left_out: std::mem::take(&mut self.left_out),
+            file,
+        };
+        case.expect = self.expectations(&case);
+        if self.problems.is_empty() { Ok(case) } else { Err(self.problems.into_error()) }
+    }
+
+    fn mesh(&mut self, file: &CaseFile) -> MeshSpec {
+        let section = &file.mesh;
+        if section.file.is_some() {
+            self.add("mesh.file", LATER);
+        }
+        if section.order != 1 {
+            self.add("mesh.order", format!("{} {LATER}", section.order));
+        }
+        let nothing =
+            MeshSpec { size: vec![1.0; 2], cells: Cells::Whole([1; 3]), refine: section.refine };
+        let Some(column) = &section.column else {
+            if section.file.is_none() {
+                self.add("mesh", "needs a column");
+            }
+            self.broken.insert("mesh".to_owned());
+            return nothing;
+        };
+        self.dim = column.size.len();
+        for (index, length) in column.size.iter().enumerate() {
+            if *length <= 0.0 {
+                let path = format!("mesh.column.size.{index}");
+                self.add(&path, format!("must be positive, got {}", number_text(*length)));
+                self.broken.insert("mesh".to_owned());
+            }
+        }
+        let cells = match (&column.cells, &column.bodies) {
+            (Some(cells), None) => Cells::Whole(self.grid("mesh.column.cells", cells)),
+            (None, Some(bodies)) => {
+                let grids = bodies.iter().enumerate().map(|(index, body)| {
+                    self.grid(&format!("mesh.column.bodies.{index}.cells"), &body.cells)
+                });
+                Cells::Bodies(grids.collect())
+            }
+            (both, _) => {
+                let what = if both.is_some() { "has both" } else { "needs" };
+                let word = if both.is_some() { "and" } else { "or" };
+                self.add("mesh.column", format!("{what} cells {word} bodies; give one of them"));
+                self.broken.insert("mesh".to_owned());
+                return nothing;
+            }
+        };
+        MeshSpec { size: column.size.clone(), cells, refine: section.refine }
+    }
+
+    fn grid(&mut self, path: &str, cells: &[u64]) -> [usize; 3] {
+        let count = |index: usize| usize::try_from(cells[index]).unwrap_or(usize::MAX);
+        match (self.dim, cells.len()) {
+            (2, 2) => [count(0), 1, count(1)],
+            (3, 3) => [count(0), count(1), count(2)],
+            (dim, length) => {
+                self.add(path, format!("must have {dim} entries as size has, got {length}"));
+                self.broken.insert("mesh".to_owned());
+                [1; 3]
+            }
+        }
+    }
+
+    /// Refuses a mesh that cannot be numbered, before memory is asked for.
+    fn cells(
+        &mut self,
+        file: &CaseFile,
+        mesh: &MeshSpec,
+        materials: &[Material],
+        interfaces: &[InterfaceSpec],
+    ) {
+        let column = file.mesh.column.as_ref();
+        if let (Cells::Bodies(bodies), true) = (&mesh.cells, column.is_some())
+            && bodies.len() != interfaces.len() + 1
+        {
+            let (found, wanted) = (bodies.len(), interfaces.len() + 1);
+            let reason =
+                format!("has {found} bodies, but {} interface(s) make {wanted}", interfaces.len());
+            self.add("mesh.column.bodies", reason);
+            return;
+        }
+        let cuts = interfaces.len() + materials.iter().filter(|m| m.z.is_some()).count();
+        match mesh.displacement_unknowns(interfaces.len(), cuts) {
+            Some(unknowns) if unknowns <= MOST_UNKNOWNS => {}
+            unknowns => {
+                let count = unknowns.map_or("more than 1e38".to_owned(), |n| {
+                    if n < 1_000_000_000_000 { n.to_string() } else { format!("{:.1e}", n as f64) }
+                });
+                let key = if matches!(mesh.cells, Cells::Whole(_)) { "cells" } else { "bodies" };
+                let grids = match &mesh.cells {
+                    Cells::Whole(cells) => std::slice::from_ref(cells),
+                    Cells::Bodies(bodies) => bodies,
+                };
+                let grids: Vec<String> =
+                    grids.iter().map(|[x, y, z]| format!("{x} x {y} x {z}")).collect();
+                let reason = format!(
+                    "make too many unknowns: {} cells, refined {} times, have up to {count} \
+                     displacement components; at most {MOST_UNKNOWNS} can be numbered",
+                    grids.join(" + "),
+                    mesh.refine
+                );
+                self.add(&format!("mesh.column.{key}"), reason);
+            }
+        }
+    }
+
+    fn materials(&mut self, file: &CaseFile, mesh: &MeshSpec) -> Vec<Material> {
+        for (name, section) in &file.materials {
+            let path = format!("materials.{name}");
+            self.name(&path, name);
+            self.material(&path, name, section);
+        }
+        let mut materials: Vec<Material> = file
+            .materials
+            .iter()
+            .map(|(name, section)| Material {
+                name: name.clone(),
+                z: section.z,
+                young_modulus: section.elastic.young_modulus,
+                poisson_ratio: section.elastic.poisson_ratio,
+                porous: section.porous.clone(),
+            })
+            .collect();
+        let bottom = |material: &Material| material.z.map_or(f64::NEG_INFINITY, |z| z[0]);
+        materials.sort_by(|a, b| bottom(a).total_cmp(&bottom(b)));
+        if self.sound(&["mesh", "materials"]) {
+            self.layers(&materials, mesh.height());
+        }
+        materials
+    }
+
+    fn material(&mut self, path: &str, name: &str, section: &MaterialSection) {
+        match section.elastic.thermal_expansion {
+            Some(expansion) if expansion != 0.0 => self.add(
+                &format!("{path}.elastic.thermal_expansion"),
+                format!("must be 0 (thermal strain {LATER}), got {}", number_text(expansion)),
+            ),
+            Some(_) => self
+                .left_out
+                .push(format!("Thermal strain is left out: the thermal expansion of {name} is 0.")),
+            None => {}
+        }
+        let Some(porous) = &section.porous else { return };
+        if porous.biot < porous.porosity {
+            let reason =
+                format!("must be at least the porosity {}, got {}", porous.porosity, porous.biot);
+            self.add(&format!("{path}.porous.biot"), reason);
+        }
+        if porous.reference_pressure != 0.0 {
+            let reason = format!("other than 0 {LATER}");
+            self.add(&format!("{path}.porous.reference_pressure"), reason);
+        }
+    }
+
+    /// The layers must cover the column, each height once.
+    fn layers(&mut self, materials: &[Material], height: f64) {
+        if let [only] = materials
+            && only.z.is_none()
+        {
+            return;
+        }
+        let mut top = 0.0;
+        for material in materials {
+            let path = format!("materials.{}.z", material.name);
+            let Some([low, high]) = material.z else {
+                self.add(&path, "is missing; with several materials each has its heights");
+                return;
+            };
+            if low >= high {
+                self.add(&path, format!("must rise, got [{low}, {high}]"));
+                return;
+            }
+            if low != top {
+                let what = if low > top { "leaves a gap" } else { "overlaps" };
+                self.add(&path, format!("{what} between {} and {}", low.min(top), low.max(top)));
+            }
+            top = high;
+        }
+        if top != height {
+            let name = materials.last().map_or("", |material| &material.name);
+            let reason = format!("ends at {top}, but the column is {height} high");
+            self.add(&format!("materials.{name}.z"), reason);
+        }
+    }
+
+    fn interfaces(&mut self, file: &CaseFile, mesh: &MeshSpec) -> Vec<InterfaceSpec> {
+        let height = self.sound(&["mesh"]).then(|| mesh.height());
+        let mut names: BTreeSet<&str> = BTreeSet::new();
+        let mut below: Option<f64> = None;
+        let mut interfaces = Vec::new();
+        for (index, section) in file.interfaces.iter().enumerate() {
+            let path = format!("interfaces.{index}");
+            self.name(&format!("{path}.name"), &section.name);
+            if section.name == "bulk" {
+                self.add(&format!("{path}.name"), "cannot be `bulk`, the name of the field files");
+            }
+            if !names.insert(&section.name) {
+                self.add(&format!("{path}.name"), format!("`{}` is taken", section.name));
+            }
+            let z = section.z;
+            if let Some(height) = height.filter(|height| !(z > 0.0 && z < *height)) {
+                let reason = format!("must lie inside the column, in (0, {height}), got {z}");
+                self.add(&format!("{path}.z"), reason);
+            }
+            if let Some(below) = below.filter(|below| z <= *below) {
+                let reason = format!("must be above the interface before it at {below}, got {z}");
+                self.add(&format!("{path}.z"), reason);
+            }
+            below = Some(z);
+            self.law(&format!("{path}.law"), &section.law);
+            let fluid_pressure = section.fluid.as_ref().map(|fluid| {
+                if fluid.connected {
+                    self.add(&format!("{path}.fluid.connected"), format!("true {LATER}"));
+                }
+                self.value(&format!("{path}.fluid.pressure"), &fluid.pressure)
+            });
+            interfaces.push(InterfaceSpec {
+                name: section.name.clone(),
+                z,
+                law: section.law.clone(),
+                secondary: section.secondary,
+                fluid_pressure,
+            });
+        }
+        interfaces
+    }
+
+    fn law(&mut self, path: &str, law: &LawSpec) {
+        if let LawSpec::LinearSoftening(softening) = law {
+            // r = augmentation sigma_c^2 / G_c must exceed the slope h = sigma_c^2 / (2 G_c).
+            let unit = softening.strength * softening.strength / softening.fracture_energy;
+            if softening.augmentation <= 0.5 {
+                let reason = format!(
+                    "must be above 0.5: r = {} Pa/m has to exceed the softening slope {} Pa/m, \
+                     got {}",
+                    number_text(softening.augmentation * unit),
+                    number_text(0.5 * unit),
+                    number_text(softening.augmentation)
+                );
+                self.add(&format!("{path}.linear_softening.augmentation"), reason);
+            } else if !(unit * softening.augmentation).is_finite() || unit == 0.0 {
+                let reason = format!(
+                    "strength {} and fracture_energy {} make a slope that is no number",
+                    number_text(softening.strength),
+                    number_text(softening.fracture_energy)
+                );
+                self.add(&format!("{path}.linear_softening"), reason);
+            }
+        }
+    }
+
+    fn time(&mut self, file: &CaseFile) -> (Vec<f64>, f64) {
+        let time = &file.time;
+        let mut before = (time.start, "start");
+        for (index, instant) in time.instants.iter().enumerate() {
+            if *instant <= before.0 {
+                let reason =
+                    format!("must be above the {} at {}, got {instant}", before.1, before.0);
+                self.add(&format!("time.instants.{index}"), reason);
+            }
+            before = (*instant, "instant before it");
+        }
+        if time.theta.is_some_and(|theta| theta != 1.0) {
+            self.add("time.theta", format!("other than 1 {LATER}"));
+        }
+        (time.instants.clone(), time.start)
+    }
+
+    fn solver(&mut self, solver: &SolverSpec) {
+        if solver.form == Form::SaddlePoint
+            && !matches!(solver.linear, Linear::Auto | Linear::Mumps)
+        {
+            self.add("solver.form", "saddle_point needs linear: mumps or auto");
+        }
+    }
+
+    /// Names become columns and files.
+    pub fn name(&mut self, path: &str, name: &str) {
+        let allowed = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+        if name.is_empty() || !name.chars().all(allowed) {
+            let reason = format!("must be made of letters, digits, _ and -, got `{name}`");
+            self.add(path, reason);
+        }
+    }
+
+    fn physics(&mut self, file: &CaseFile, materials: &[Material]) -> PhysicsDecision {
+        if file.physics == super::file::Physics::HydroMechanics {
+            self.add("physics", format!("hydro_mechanics {LATER}"));
+        } else if self.sound(&["physics", "materials", "boundary", "initial"]) {
+            self.pore_pressure(file, materials);
+        }
+        if file.control.is_some() {
+            self.add("control", LATER);
+        }
+        PhysicsDecision::Mechanics
+    }
+}

@@ -1,0 +1,344 @@
+//! The case file as it is written: its sections, keys and forms, from which the schema is made.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::boundary::Surface;
+use super::interface::Side;
+use crate::law::LawSpec;
+use super::material::Porous;
+use super::solver::SolverSpec;
+
+/// Case file of column-hpc. All units are SI; z points up.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CaseFile {
+    /// Title; default: the name of the file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub title: Option<String>,
+    /// The mesh.
+    pub mesh: MeshSection,
+    /// Materials by name: one, or several with `z`.
+    #[schemars(extend("minProperties" = 1))]
+    pub materials: BTreeMap<String, MaterialSection>,
+    /// Interfaces, with rising z.
+    #[serde(default)]
+    pub interfaces: Vec<InterfaceSection>,
+    /// What is prescribed on surfaces.
+    #[serde(default)]
+    pub boundary: Vec<BoundarySection>,
+    /// Gravity in m/s2 (other than 0: not yet available).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gravity: Option<Vec<f64>>,
+    /// Body force in N/m3.
+    #[serde(default, skip_serializing_if = "Components::is_empty")]
+    pub body_force: Components,
+    /// The state at the start.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub initial: Option<InitialSection>,
+    /// The instants.
+    pub time: TimeSection,
+    /// What is computed.
+    #[serde(default)]
+    pub physics: Physics,
+    /// Path following (not yet available).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub control: Option<serde_json::Value>,
+    /// How it is solved.
+    #[serde(default)]
+    pub solver: SolverSpec,
+    /// What is written.
+    #[serde(default)]
+    pub output: OutputSection,
+    /// Points whose displacement is recorded.
+    #[serde(default)]
+    pub probes: Vec<ProbeSection>,
+    /// Values that the results must have.
+    #[serde(default)]
+    pub expect: Vec<ExpectSection>,
+}
+
+/// The mesh.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MeshSection {
+    /// A column that stands on z = 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub column: Option<ColumnSection>,
+    /// A Gmsh file (not yet available).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+    /// 1: hex8 or quad4 (2: not yet available).
+    #[serde(default = "one")]
+    #[schemars(range(min = 1, max = 2))]
+    pub order: u32,
+    /// Uniform refinements after distribution.
+    #[serde(default)]
+    #[schemars(range(max = 20))]
+    pub refine: u32,
+}
+
+fn one() -> u32 {
+    1
+}
+
+/// A column.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ColumnSection {
+    /// Lengths in m along x, y, z; two numbers: x and z, plane strain.
+    #[schemars(length(min = 2, max = 3))]
+    pub size: Vec<f64>,
+    /// Cells along each axis.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 2, max = 3), inner(range(min = 1)))]
+    pub cells: Option<Vec<u64>>,
+    /// Cells of each body between interfaces, bottom to top, instead of `cells`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub bodies: Option<Vec<BodySection>>,
+}
+
+/// A body between interfaces.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct BodySection {
+    /// Cells along each axis.
+    #[schemars(length(min = 2, max = 3), inner(range(min = 1)))]
+    pub cells: Vec<u64>,
+}
+
+/// A material.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MaterialSection {
+    /// The heights in m between which it lies.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub z: Option<[f64; 2]>,
+    /// Isotropic linear elasticity.
+    pub elastic: ElasticSection,
+    /// Saturated porous medium.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub porous: Option<Porous>,
+}
+
+/// Isotropic linear elasticity.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ElasticSection {
+    /// Young's modulus in Pa.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub young_modulus: f64,
+    /// Poisson's ratio.
+    #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 0.5))]
+    pub poisson_ratio: f64,
+    /// Thermal expansion in 1/K (other than 0: refused).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thermal_expansion: Option<f64>,
+}
+
+/// An interface.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct InterfaceSection {
+    /// Its name.
+    pub name: String,
+    /// Its height in m.
+    pub z: f64,
+    /// What relates traction and jump.
+    pub law: LawSpec,
+    /// The side that carries the multipliers; default: the solver's choice.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub secondary: Option<Side>,
+    /// Fluid between the lips.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fluid: Option<FluidSection>,
+}
+
+/// Fluid in an interface.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FluidSection {
+    /// Its pressure in Pa.
+    pub pressure: Quantity,
+    /// Whether the pore pressure at the lips equals it (true: not yet available).
+    #[serde(default)]
+    pub connected: bool,
+}
+
+/// What is prescribed on a surface.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct BoundarySection {
+    /// Where.
+    pub on: Surface,
+    /// Displacement in m; a component left out is free.
+    #[serde(default, skip_serializing_if = "Components::is_empty")]
+    pub displacement: Components,
+    /// Surface force in Pa.
+    #[serde(default, skip_serializing_if = "Components::is_empty")]
+    pub traction: Components,
+    /// Pore pressure in Pa (other than 0: not yet available).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure: Option<Quantity>,
+    /// Fluid mass flux (not yet available).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flux: Option<serde_json::Value>,
+}
+
+/// Components along x, y, z; there is no y in 2D.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Components {
+    /// Along x.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub x: Option<Quantity>,
+    /// Along y.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub y: Option<Quantity>,
+    /// Along z.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub z: Option<Quantity>,
+}
+
+impl Components {
+    pub fn is_empty(&self) -> bool {
+        self.x.is_none() && self.y.is_none() && self.z.is_none()
+    }
+}
+
+/// A number, a table over time or a formula.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(super) enum Quantity {
+    /// The same everywhere and always.
+    Number(f64),
+    /// Over time.
+    Table(TableSection),
+    /// In space and time.
+    Formula(FormulaSection),
+}
+
+/// Linear between, constant beyond.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TableSection {
+    /// Pairs of time and value, with rising times.
+    #[schemars(length(min = 1))]
+    pub table: Vec<[f64; 2]>,
+}
+
+/// A formula.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FormulaSection {
+    /// In x, y, z, t with + - * / ^, parentheses, pi, sqrt exp ln sin cos abs min max.
+    pub formula: String,
+}
+
+/// The state at the start.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct InitialSection {
+    /// Pore pressure in Pa (other than 0: not yet available).
+    pub pressure: Quantity,
+}
+
+/// The instants.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TimeSection {
+    /// Times in s, rising.
+    #[schemars(length(min = 1))]
+    pub instants: Vec<f64>,
+    /// The time in s of the undeformed state.
+    #[serde(default)]
+    pub start: f64,
+    /// Time integration of flow (other than 1: not yet available).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub theta: Option<f64>,
+}
+
+/// What is computed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Physics {
+    /// What the case needs
+    #[default]
+    Auto,
+    /// Equilibrium
+    Mechanics,
+    /// Equilibrium and flow (not yet available)
+    HydroMechanics,
+}
+
+/// What is written.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct OutputSection {
+    /// The output directory; default: results/ and the name of the case file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub directory: Option<String>,
+    /// The instants of the field files.
+    #[serde(default)]
+    pub fields: FieldsSection,
+}
+
+/// The instants of the field files: a word, or a list of instants.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(super) enum FieldsSection {
+    /// A word.
+    Word(FieldsWord),
+    /// Instants.
+    Times(Vec<f64>),
+}
+
+impl Default for FieldsSection {
+    fn default() -> Self {
+        FieldsSection::Word(FieldsWord::All)
+    }
+}
+
+/// Every instant or none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum FieldsWord {
+    /// Every instant
+    All,
+    /// Never
+    None,
+}
+
+/// A point whose displacement is recorded.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ProbeSection {
+    /// Its name.
+    pub name: String,
+    /// Its place in m: x, y, z, or x, z in 2D.
+    #[schemars(length(min = 2, max = 3))]
+    pub at: Vec<f64>,
+}
+
+/// A value that the results must have.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ExpectSection {
+    /// A column of history.csv; without `.min`, `.max` it stands for both.
+    pub quantity: String,
+    /// One of the instants.
+    pub at: f64,
+    /// The expected value.
+    pub equals: f64,
+    /// Allowed error over |equals|.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0))]
+    pub relative: Option<f64>,
+    /// Allowed error.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0))]
+    pub absolute: Option<f64>,
+}

@@ -1,0 +1,58 @@
+//! The column and its cells.
+
+/// A column that stands on z = 0, and how it is cut into cells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshSpec {
+    /// Lengths in m along x, (y,) z: two in 2D, three in 3D.
+    pub size: Vec<f64>,
+    /// The cells before refinement.
+    pub cells: Cells,
+    /// How many times the mesh is refined uniformly; each halves the cells along every axis.
+    pub refine: u32,
+}
+
+/// Cells along x, y, z; y is 1 in 2D.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Cells {
+    /// One grid for the whole column; interfaces inside a layer of cells split it in two.
+    Whole([usize; 3]),
+    /// One grid for each body between interfaces, bottom to top.
+    Bodies(Vec<[usize; 3]>),
+}
+
+impl MeshSpec {
+    /// Height of the column in m.
+    pub fn height(&self) -> f64 {
+        self.size[self.size.len() - 1]
+    }
+
+    /// Lengths along x, y, z in m; y is 0 in 2D.
+    pub fn lengths(&self) -> [f64; 3] {
+        match self.size[..] {
+            [x, y, z] => [x, y, z],
+            _ => [self.size[0], 0.0, self.height()],
+        }
+    }
+}
+
+impl MeshSpec {
+    /// An upper bound of the number of displacement unknowns, with `interfaces` interfaces and
+    /// layers of cells split at `cuts` heights; `None` where it exceeds every number.
+    pub(super) fn displacement_unknowns(&self, interfaces: usize, cuts: usize) -> Option<u128> {
+        let dim = self.size.len();
+        let factor = 1_u128.checked_shl(self.refine)?;
+        let nodes = |cells: [usize; 3], bodies: usize| -> Option<u128> {
+            let along = |count: usize| (count as u128).checked_mul(factor)?.checked_add(1);
+            let depth = if dim == 3 { along(cells[1])? } else { 1 };
+            let layers = along(cells[2].checked_add(cuts)?)?.checked_add(bodies as u128 - 1)?;
+            along(cells[0])?.checked_mul(depth)?.checked_mul(layers)
+        };
+        let total = match &self.cells {
+            Cells::Whole(cells) => nodes(*cells, interfaces + 1),
+            Cells::Bodies(bodies) => {
+                bodies.iter().try_fold(0_u128, |sum, cells| sum.checked_add(nodes(*cells, 1)?))
+            }
+        };
+        total?.checked_mul(dim as u128)
+    }
+}

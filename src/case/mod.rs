@@ -1,0 +1,188 @@
+//! The case file as checked types: whatever is in a [`Case`] can be computed.
+
+mod boundary;
+mod check;
+mod file;
+mod formula;
+mod interface;
+mod loads;
+mod material;
+mod mesh;
+mod output;
+mod problems;
+mod results;
+mod schema;
+mod solver;
+mod supports;
+mod tree;
+mod value;
+
+pub use boundary::{BoundarySpec, Surface};
+pub use formula::Formula;
+pub use crate::law::LawSpec;
+pub use interface::{InterfaceSpec, Side};
+pub use material::{Material, Porous};
+pub use mesh::{Cells, MeshSpec};
+pub use output::{Expectation, Fields, OutputSpec, Probe};
+pub use schema::schema;
+pub use solver::{Form, Linear, SolverSpec};
+pub use value::Value;
+
+use std::collections::BTreeSet;
+use std::io::Read;
+use std::path::Path;
+
+use crate::error::{Error, Result};
+use check::Checker;
+use problems::Problems;
+use tree::{Data, Node, Origin};
+
+/// The physics that is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PhysicsDecision {
+    /// Equilibrium alone; the pore pressure is known beforehand.
+    Mechanics,
+}
+
+impl PhysicsDecision {
+    /// Its name in a case file and in `report.json`.
+    pub fn name(self) -> &'static str {
+        match self {
+            PhysicsDecision::Mechanics => "mechanics",
+        }
+    }
+}
+
+/// A checked case.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Case {
+    /// Title.
+    pub title: String,
+    /// The column and its cells.
+    pub mesh: MeshSpec,
+    /// Materials, bottom to top.
+    pub materials: Vec<Material>,
+    /// Interfaces, bottom to top.
+    pub interfaces: Vec<InterfaceSpec>,
+    /// What is prescribed on surfaces.
+    pub boundary: Vec<BoundarySpec>,
+    /// Body force along x, y, z in N/m3.
+    pub body_force: [Value; 3],
+    /// What is computed.
+    pub physics: PhysicsDecision,
+    /// The instants in s, strictly rising, after `start`.
+    pub time: Vec<f64>,
+    /// The time in s of the undeformed state.
+    pub start: f64,
+    /// How it is solved.
+    pub solver: SolverSpec,
+    /// What is written.
+    pub output: OutputSpec,
+    /// Points whose displacement is recorded.
+    pub probes: Vec<Probe>,
+    /// Values that the results must have.
+    pub expect: Vec<Expectation>,
+    /// 2 or 3.
+    pub dim: usize,
+    /// One sentence for each thing that the file describes and the model leaves out.
+    pub left_out: Vec<String>,
+    /// The sections it was made of, with defaults written out.
+    file: file::CaseFile,
+}
+
+/// Largest case file that is read, in bytes.
+const LARGEST: u64 = 1 << 20;
+
+impl Case {
+    /// Reads a case from the text of its file; every rank that reads the same text gets the same.
+    ///
+    /// `path` is for messages and the defaults of title and output directory; nothing is read
+    /// from it. `overrides` are `a.b.c=VALUE` with YAML values, applied in order: missing sections
+    /// are created, list items are numbered from 0, an empty VALUE takes the key away. Local.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with one line for each mistake: file, line, column, path, reason.
+    pub fn read(text: &str, path: &Path, overrides: &[String]) -> Result<Case> {
+        let mut problems = Problems::new(path, overrides);
+        let mut tree = tree::parse(text).map_err(|error| {
+            let place =
+                error.place.map_or(String::new(), |(line, column)| format!("{line}:{column}:"));
+            Error::Input(format!("{}:{place} {}", path.display(), error.reason))
+        })?;
+        if tree.data == Data::Empty && overrides.is_empty() {
+            return Err(Error::Input(format!(
+                "{}: the case file is empty; cases/wtnv146/case.yaml is an example",
+                path.display()
+            )));
+        }
+        for (number, assignment) in overrides.iter().enumerate() {
+            if let Err(reason) = tree.set(assignment, number) {
+                problems.at(Origin::Override(number), reason);
+            }
+        }
+        let broken = schema::check(&mut tree, &mut problems);
+        let sections = sections(&tree, &broken);
+        let file = match serde_json::from_value(sections) {
+            Ok(file) => file,
+            Err(error) if problems.is_empty() => {
+                return Err(Error::Input(format!("{}: {error}", path.display())));
+            }
+            Err(_) => return Err(problems.into_error()),
+        };
+        let checker = Checker { tree: &tree, problems, broken, dim: 2, left_out: Vec::new() };
+        checker.case(file, path)
+    }
+
+    /// The case as a case file with every default written out.
+    pub fn resolved(&self) -> serde_json::Value {
+        // Every key is a string and every number finite, so that nothing can fail.
+        serde_json::to_value(&self.file).expect("a checked case is valid JSON")
+    }
+}
+
+/// The tree with placeholders for sections that cannot be read, so that the others are checked.
+fn sections(tree: &Node, broken: &BTreeSet<String>) -> serde_json::Value {
+    let mut sections = tree.to_json();
+    if let Some(object) = sections.as_object_mut() {
+        for section in broken {
+            let placeholder = match section.as_str() {
+                "mesh" => serde_json::json!({"column": {"size": [1, 1], "cells": [1, 1]}}),
+                "materials" => serde_json::json!({}),
+                "time" => serde_json::json!({"instants": []}),
+                _ => {
+                    object.remove(section);
+                    continue;
+                }
+            };
+            object.insert(section.clone(), placeholder);
+        }
+    }
+    sections
+}
+
+/// Reads the text of a case file.
+///
+/// # Errors
+/// [`Error::Input`] when it is missing, unreadable, a directory, too large or not UTF-8.
+pub fn read_text(path: &Path) -> Result<String> {
+    let refuse = |reason: String| Error::Input(format!("{}: {reason}", path.display()));
+    let unreadable = |error: std::io::Error| match error.kind() {
+        std::io::ErrorKind::NotFound => refuse("there is no such case file".to_owned()),
+        _ => refuse(format!("the case file cannot be read: {error}")),
+    };
+    let about = std::fs::metadata(path).map_err(unreadable)?;
+    if about.is_dir() {
+        return Err(refuse("is a directory; name the case file in it".to_owned()));
+    }
+    // The limit holds for pipes too, whose length is not known beforehand.
+    let mut bytes = Vec::new();
+    let file = std::fs::File::open(path).map_err(unreadable)?;
+    file.take(LARGEST + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    if bytes.len() as u64 > LARGEST {
+        return Err(refuse(format!("the case file is larger than {LARGEST} bytes")));
+    }
+    String::from_utf8(bytes).map_err(|_| refuse("the case file is not UTF-8 text".to_owned()))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,317 @@
+//! The JSON Schema of the case file, and the check of a tree against it.
+//!
+//! The schema that editors get is the one that the reader obeys, so the two cannot drift apart.
+
+use std::collections::BTreeSet;
+
+use serde_json::Value as Json;
+
+use super::file::CaseFile;
+use super::problems::{Problems, nearest, suggestion};
+use super::tree::{Data, Entry, Node, number_text};
+
+/// The JSON Schema (draft 2020-12) of the case file.
+pub fn schema() -> Json {
+    let mut schema = schemars::schema_for!(CaseFile).to_value();
+    without_null(&mut schema);
+    schema
+}
+
+/// Takes null away wherever it stands for a key that is left out: in a case file such a key is
+/// not written at all.
+fn without_null(schema: &mut Json) {
+    match schema {
+        Json::Array(items) => items.iter_mut().for_each(without_null),
+        Json::Object(object) => {
+            if object.get("default").is_some_and(Json::is_null) {
+                object.remove("default");
+            }
+            if let Some(Json::Array(types)) = object.get_mut("type") {
+                types.retain(|name| name != "null");
+                if let [only] = &types[..] {
+                    let only = only.clone();
+                    object.insert("type".to_owned(), only);
+                }
+            }
+            if let Some(Json::Array(choices)) = object.get_mut("anyOf") {
+                choices.retain(|choice| choice["type"] != "null");
+                if let [Json::Object(only)] = &choices[..] {
+                    let only = only.clone();
+                    object.remove("anyOf");
+                    object.extend(only);
+                }
+            }
+            object.values_mut().for_each(without_null);
+        }
+        _ => {}
+    }
+}
+
+/// Checks a tree against the schema, takes unknown and repeated keys out of it, and returns the
+/// sections that cannot be read.
+pub(super) fn check(tree: &mut Node, problems: &mut Problems) -> BTreeSet<String> {
+    let schema = schema();
+    let mut walk = Walk { definitions: &schema["$defs"], problems, broken: BTreeSet::new() };
+    walk.node(&schema, tree, "");
+    walk.broken
+}
+
+struct Walk<'a, 'p> {
+    definitions: &'a Json,
+    problems: &'a mut Problems<'p>,
+    broken: BTreeSet<String>,
+}
+
+impl Walk<'_, '_> {
+    fn resolve<'s>(&'s self, mut schema: &'s Json) -> &'s Json {
+        while let Some(name) = schema["$ref"].as_str() {
+            schema = &self.definitions[name.trim_start_matches("#/$defs/")];
+        }
+        schema
+    }
+
+    /// A mistake that keeps the section from being read.
+    fn breaks(&mut self, node: &Node, path: &str, reason: &str) {
+        let section = path.split('.').next().unwrap_or_default();
+        self.broken.insert(section.to_owned());
+        let subject = if path.is_empty() { "the case" } else { path };
+        self.problems.at(node.origin, format!("{subject} {reason}"));
+    }
+
+    fn node(&mut self, schema: &Json, node: &mut Node, path: &str) {
+        let schema = self.resolve(schema).clone();
+        if node.data == Data::Empty && schema != Json::Bool(true) {
+            return self.breaks(node, path, "has no value");
+        }
+        if let Some(choices) = schema["anyOf"].as_array().or(schema["oneOf"].as_array()) {
+            return self.choice(choices, node, path);
+        }
+        if let Some(words) = words_of(&schema) {
+            return self.word(&words, node, path);
+        }
+        let Some(wanted) = schema["type"].as_str() else { return };
+        if !is_of(wanted, node) {
+            let reason = format!("must be {}, got {}", name_of(wanted), node.describe());
+            return self.breaks(node, path, &reason);
+        }
+        match node.data {
+            Data::Integer(number) => self.bounds(&schema, number as f64, node, path),
+            Data::Number(number) => self.bounds(&schema, number, node, path),
+            Data::List(_) => self.list(&schema, node, path),
+            Data::Map(_) => self.map(&schema, node, path),
+            _ => {}
+        }
+    }
+
+    fn bounds(&mut self, schema: &Json, number: f64, node: &Node, path: &str) {
+        let got = number_text(number);
+        if !number.is_finite() {
+            return self.breaks(node, path, &format!("must be finite, got {got}"));
+        }
+        let bound = |name: &str| schema[name].as_f64();
+        let reason = if bound("exclusiveMinimum").is_some_and(|low| number <= low) {
+            match bound("exclusiveMinimum") {
+                Some(low) if low != 0.0 => format!("must be above {low}"),
+                _ => "must be positive".to_owned(),
+            }
+        } else if let Some(low) = bound("minimum").filter(|low| number < *low) {
+            format!("must be at least {low}")
+        } else if let Some(high) = bound("exclusiveMaximum").filter(|high| number >= *high) {
+            format!("must be below {high}")
+        } else if let Some(high) = bound("maximum").filter(|high| number > *high) {
+            format!("must be at most {high}")
+        } else {
+            return;
+        };
+        self.breaks(node, path, &format!("{reason}, got {got}"));
+    }
+
+    fn list(&mut self, schema: &Json, node: &mut Node, path: &str) {
+        let Data::List(items) = &mut node.data else { return };
+        for (index, item) in items.iter_mut().enumerate() {
+            self.node(&schema["items"], item, &join(path, &index.to_string()));
+        }
+        let (length, low, high) =
+            (items.len() as u64, schema["minItems"].as_u64(), schema["maxItems"].as_u64());
+        let wanted = match (low, high) {
+            (Some(low), Some(high)) if low == high => format!("{low}"),
+            (Some(low), Some(high)) => format!("{low} to {high}"),
+            (Some(low), None) => format!("at least {low}"),
+            _ => return,
+        };
+        if low.is_some_and(|low| length < low) || high.is_some_and(|high| length > high) {
+            self.breaks(node, path, &format!("must have {wanted} entries, got {length}"));
+        }
+    }
+
+    fn map(&mut self, schema: &Json, node: &mut Node, path: &str) {
+        let origin = node.origin;
+        let Data::Map(entries) = &mut node.data else { return };
+        let known = keys_of(schema);
+        let mut kept: Vec<Entry> = Vec::with_capacity(entries.len());
+        let mut misspelt: BTreeSet<String> = BTreeSet::new();
+        for mut entry in entries.drain(..) {
+            let here = join(path, &entry.key);
+            if kept.iter().any(|other| other.key == entry.key) {
+                self.problems.at(entry.origin, format!("{here} is given twice"));
+                continue;
+            }
+            if let Some(inner) = schema["properties"].get(&entry.key) {
+                self.node(inner, &mut entry.node, &here);
+            } else if schema["additionalProperties"].is_object() {
+                self.node(&schema["additionalProperties"], &mut entry.node, &here);
+            } else {
+                let hint = suggestion(&entry.key, &known);
+                self.problems.at(entry.origin, format!("{here} is not a known key{hint}"));
+                misspelt.extend(nearest(&entry.key, &known).cloned());
+                continue;
+            }
+            kept.push(entry);
+        }
+        *entries = kept;
+        let present = |name: &str| entries.iter().any(|entry| entry.key == name);
+        let required = schema["required"].as_array();
+        let missing: Vec<&str> = required
+            .into_iter()
+            .flatten()
+            .filter_map(Json::as_str)
+            .filter(|name| !present(name))
+            .collect();
+        let too_few = schema["minProperties"].as_u64().unwrap_or(0) > entries.len() as u64;
+        for name in missing {
+            self.broken.insert(join(path, name).split('.').next().unwrap_or_default().to_owned());
+            // A key that was meant by a misspelt one is not told twice.
+            if !misspelt.contains(name) {
+                self.problems.at(origin, format!("{} is missing", join(path, name)));
+            }
+        }
+        if too_few {
+            self.breaks(node, path, "has no entries");
+        }
+    }
+
+    /// One of several forms: words, numbers, lists, and sections told apart by their keys.
+    fn choice(&mut self, choices: &[Json], node: &mut Node, path: &str) {
+        let choices: Vec<Json> = choices.iter().map(|one| self.resolve(one).clone()).collect();
+        let words: Vec<String> = choices.iter().filter_map(words_of).flatten().collect();
+        if let (Data::Text(_), false) = (&node.data, words.is_empty()) {
+            return self.word(&words, node, path);
+        }
+        let fitting: Vec<&Json> = choices
+            .iter()
+            .filter(|one| words_of(one).is_none())
+            .filter(|one| one["type"].as_str().is_some_and(|wanted| is_of(wanted, node)))
+            .collect();
+        let Data::Map(entries) = &node.data else {
+            return match fitting.first() {
+                Some(one) => self.node(one, node, path),
+                None => {
+                    let reason = format!("must be {}, got {}", forms_of(&choices), node.describe());
+                    self.breaks(node, path, &reason)
+                }
+            };
+        };
+        let known: Vec<String> = fitting.iter().flat_map(|one| keys_of(one)).collect();
+        let named: Vec<&String> =
+            entries.iter().map(|entry| &entry.key).filter(|key| known.contains(key)).collect();
+        match (&named[..], entries.first()) {
+            ([_, _, ..], _) => {
+                let reason = format!("must have one of the keys {}", known.join(", "));
+                self.breaks(node, path, &reason);
+            }
+            ([key], _) => {
+                let one = fitting.iter().find(|one| keys_of(one).contains(key));
+                let one = one.map_or(Json::Null, |one| (*one).clone());
+                self.node(&one, node, path);
+            }
+            ([], Some(entry)) => {
+                let hint = suggestion(&entry.key, &known);
+                let (origin, here) = (entry.origin, join(path, &entry.key));
+                self.breaks(
+                    &Node { data: Data::Empty, origin },
+                    &here,
+                    &format!("is not a known key{hint}"),
+                );
+            }
+            ([], None) => {
+                let reason = format!("must be {}, got an empty section", forms_of(&choices));
+                self.breaks(node, path, &reason);
+            }
+        }
+    }
+
+    fn word(&mut self, words: &[String], node: &Node, path: &str) {
+        match &node.data {
+            Data::Text(text) if words.contains(text) => {}
+            Data::Text(text) => {
+                let hint = suggestion(text, words);
+                self.breaks(node, path, &format!("cannot be `{text}`{hint}"));
+            }
+            _ => {
+                let reason =
+                    format!("must be one of {}, got {}", words.join(", "), node.describe());
+                self.breaks(node, path, &reason);
+            }
+        }
+    }
+}
+
+fn join(path: &str, step: &str) -> String {
+    if path.is_empty() { step.to_owned() } else { format!("{path}.{step}") }
+}
+
+/// The words that a schema admits, where it admits nothing else.
+fn words_of(schema: &Json) -> Option<Vec<String>> {
+    let words = |list: &[Json]| list.iter().map(|word| word.as_str().map(str::to_owned)).collect();
+    if let Some(word) = schema["const"].as_str() {
+        return Some(vec![word.to_owned()]);
+    }
+    if let Some(list) = schema["enum"].as_array() {
+        return words(list);
+    }
+    let choices = schema["oneOf"].as_array()?;
+    choices.iter().map(words_of).collect::<Option<Vec<_>>>().map(|lists| lists.concat())
+}
+
+fn keys_of(schema: &Json) -> Vec<String> {
+    schema["properties"].as_object().into_iter().flatten().map(|(key, _)| key.clone()).collect()
+}
+
+fn is_of(wanted: &str, node: &Node) -> bool {
+    matches!(
+        (wanted, &node.data),
+        ("integer" | "number", Data::Integer(_))
+            | ("number", Data::Number(_))
+            | ("string", Data::Text(_))
+            | ("boolean", Data::Flag(_))
+            | ("array", Data::List(_))
+            | ("object", Data::Map(_))
+    )
+}
+
+fn name_of(kind: &str) -> &str {
+    match kind {
+        "integer" => "a whole number",
+        "number" => "a number",
+        "string" => "a text (in quotes if it looks like a number)",
+        "boolean" => "true or false",
+        "array" => "a list",
+        _ => "a section",
+    }
+}
+
+/// The forms of a choice in words: `a number, {table: ...} or {formula: ...}`.
+fn forms_of(choices: &[Json]) -> String {
+    let forms: Vec<String> = choices
+        .iter()
+        .map(|one| match (words_of(one), one["type"].as_str()) {
+            (Some(words), _) => words.join(", "),
+            (None, Some("object")) => format!("{{{}: ...}}", keys_of(one).join(", ")),
+            (None, kind) => name_of(kind.unwrap_or_default()).to_owned(),
+        })
+        .collect();
+    match forms.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
+        _ => forms.concat(),
+    }
+}

@@ -1,0 +1,58 @@
+//! How the equations are solved.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The solver section of a case file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct SolverSpec {
+    /// The linear solver.
+    pub linear: Linear,
+    /// Largest out-of-balance force over the largest nodal force scale at convergence.
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
+    pub tolerance: f64,
+    /// Largest number of Newton corrections in one step.
+    #[schemars(range(min = 1, max = 1000))]
+    pub max_newton: usize,
+    /// Options for PETSc, as on a command line.
+    pub petsc_options: String,
+    /// The algebraic form of the interface equations.
+    pub form: Form,
+}
+
+impl Default for SolverSpec {
+    fn default() -> Self {
+        SolverSpec {
+            linear: Linear::Auto,
+            tolerance: 1.0e-9,
+            max_newton: 30,
+            petsc_options: String::new(),
+            form: Form::Condensed,
+        }
+    }
+}
+
+/// A linear solver.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Linear {
+    /// Chosen by size and shape
+    Auto,
+    /// Parallel sparse direct solver
+    Mumps,
+    /// Algebraic multigrid by smoothed aggregation, with rigid-body modes
+    Gamg,
+    /// BoomerAMG
+    Hypre,
+}
+
+/// The algebraic form of the interface equations.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Form {
+    /// Displacements only; the multipliers are eliminated node by node
+    Condensed,
+    /// Displacements and multipliers together, a cross-check; needs mumps
+    SaddlePoint,
+}

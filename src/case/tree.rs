@@ -1,0 +1,298 @@
+//! The case file as a tree that knows where each of its parts was written.
+
+use serde::Deserialize;
+use serde::de::{Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
+use serde_saphyr::Spanned;
+use serde_saphyr::options::{DuplicateKeyPolicy, NonFiniteFloatPolicy};
+
+/// Where a part of the tree was written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Origin {
+    /// Line and column in the file, from 1.
+    File(u64, u64),
+    /// The position of a `--set` in the list of overrides.
+    Override(usize),
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Node {
+    pub data: Data,
+    pub origin: Origin,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Data {
+    Empty,
+    Flag(bool),
+    Integer(i64),
+    Number(f64),
+    Text(String),
+    List(Vec<Node>),
+    Map(Vec<Entry>),
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Entry {
+    pub key: String,
+    pub origin: Origin,
+    pub node: Node,
+}
+
+/// Why a text is no tree, with line and column where they are known.
+#[derive(Debug)]
+pub(super) struct SyntaxError {
+    pub place: Option<(u64, u64)>,
+    pub reason: String,
+}
+
+/// Reads YAML. Repeated keys and numbers that are not finite stay in the tree, so that they are
+/// reported together with everything else.
+pub(super) fn parse(text: &str) -> Result<Node, SyntaxError> {
+    let options = serde_saphyr::options! {
+        strict_booleans: true,
+        duplicate_keys: DuplicateKeyPolicy::PassThrough,
+        non_finite_float_policy: NonFiniteFloatPolicy::PassThrough,
+        with_snippet: false,
+        budget: serde_saphyr::budget! { max_nodes: 400_000, max_depth: 64 },
+    };
+    let root: Spanned<Data> =
+        serde_saphyr::from_str_with_options(text, options).map_err(|error| SyntaxError {
+            place: error.location().map(|place| (place.line(), place.column())),
+            reason: reason_of(&error),
+        })?;
+    Ok(Node::from(root))
+}
+
+/// The parser's words without its place, which is told in front.
+fn reason_of(error: &serde_saphyr::Error) -> String {
+    let text = error.without_snippet().to_string();
+    let end = text.find(" at line ").unwrap_or(text.len());
+    // What follows a semicolon is advice to programmers.
+    let end = text[..end].find("; use ").unwrap_or(end);
+    text[..end].lines().next().unwrap_or_default().to_owned()
+}
+
+impl From<Spanned<Data>> for Node {
+    fn from(spanned: Spanned<Data>) -> Self {
+        let origin = Origin::File(spanned.referenced.line(), spanned.referenced.column());
+        Node { data: spanned.value, origin }
+    }
+}
+
+impl<'de> Deserialize<'de> for Data {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(DataVisitor)
+    }
+}
+
+struct DataVisitor;
+
+impl<'de> Visitor<'de> for DataVisitor {
+    type Value = Data;
+
+    fn expecting(&self, formatter: &mut std::fmt::Formatter) -> std::fmt::Result {
+        formatter.write_str("a value, a list or a section")
+    }
+
+    fn visit_unit<E>(self) -> Result<Data, E> {
+        Ok(Data::Empty)
+    }
+
+    fn visit_none<E>(self) -> Result<Data, E> {
+        Ok(Data::Empty)
+    }
+
+    fn visit_some<D: Deserializer<'de>>(self, deserializer: D) -> Result<Data, D::Error> {
+        deserializer.deserialize_any(self)
+    }
+
+    fn visit_bool<E>(self, flag: bool) -> Result<Data, E> {
+        Ok(Data::Flag(flag))
+    }
+
+    fn visit_i64<E>(self, number: i64) -> Result<Data, E> {
+        Ok(Data::Integer(number))
+    }
+
+    fn visit_u64<E>(self, number: u64) -> Result<Data, E> {
+        Ok(i64::try_from(number).map_or(Data::Number(number as f64), Data::Integer))
+    }
+
+    fn visit_i128<E>(self, number: i128) -> Result<Data, E> {
+        Ok(Data::Number(number as f64))
+    }
+
+    fn visit_u128<E>(self, number: u128) -> Result<Data, E> {
+        Ok(Data::Number(number as f64))
+    }
+
+    fn visit_f64<E>(self, number: f64) -> Result<Data, E> {
+        Ok(Data::Number(number))
+    }
+
+    fn visit_str<E>(self, text: &str) -> Result<Data, E> {
+        Ok(Data::Text(text.to_owned()))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Data, A::Error> {
+        let mut items = Vec::new();
+        while let Some(item) = list.next_element::<Spanned<Data>>()? {
+            items.push(Node::from(item));
+        }
+        Ok(Data::List(items))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Data, A::Error> {
+        let mut entries = Vec::new();
+        while let Some(key) = map.next_key::<Spanned<String>>()? {
+            let origin = Origin::File(key.referenced.line(), key.referenced.column());
+            if key.value.is_empty() {
+                return Err(A::Error::custom("a key is empty"));
+            }
+            let node = Node::from(map.next_value::<Spanned<Data>>()?);
+            entries.push(Entry { key: key.value, origin, node });
+        }
+        Ok(Data::Map(entries))
+    }
+}
+
+impl Node {
+    /// What it is, for messages: `the number 3`, `a list`.
+    pub fn describe(&self) -> String {
+        match &self.data {
+            Data::Empty => "nothing".to_owned(),
+            Data::Flag(flag) => format!("`{flag}`"),
+            Data::Integer(number) => format!("{number}"),
+            Data::Number(number) => number_text(*number),
+            Data::Text(text) => {
+                let shown: String = text.chars().take(40).collect();
+                let more = if shown.len() < text.len() { "..." } else { "" };
+                format!("the text `{shown}{more}`")
+            }
+            Data::List(items) => format!("a list of {}", items.len()),
+            Data::Map(_) => "a section".to_owned(),
+        }
+    }
+
+    /// The same without places; a number that is not finite becomes null.
+    pub fn to_json(&self) -> serde_json::Value {
+        use serde_json::Value as Json;
+        match &self.data {
+            Data::Empty => Json::Null,
+            Data::Flag(flag) => Json::from(*flag),
+            Data::Integer(number) => Json::from(*number),
+            Data::Number(number) => Json::from(*number),
+            Data::Text(text) => Json::from(text.as_str()),
+            Data::List(items) => items.iter().map(Node::to_json).collect(),
+            Data::Map(entries) => Json::Object(
+                entries.iter().map(|entry| (entry.key.clone(), entry.node.to_json())).collect(),
+            ),
+        }
+    }
+
+    /// Where the value at a dotted path was written, or the nearest section around it.
+    pub fn locate(&self, path: &str) -> Origin {
+        let mut here = self;
+        let mut origin = self.origin;
+        for step in path.split('.') {
+            let next = match &here.data {
+                Data::Map(entries) => entries.iter().find(|entry| entry.key == step).map(|entry| {
+                    // A section that spans lines is pointed at by its key.
+                    let is_section = matches!(entry.node.data, Data::Map(_) | Data::List(_));
+                    (&entry.node, if is_section { entry.origin } else { entry.node.origin })
+                }),
+                Data::List(items) => step
+                    .parse::<usize>()
+                    .ok()
+                    .and_then(|index| items.get(index))
+                    .map(|item| (item, item.origin)),
+                _ => None,
+            };
+            let Some((node, place)) = next else { break };
+            (here, origin) = (node, place);
+        }
+        origin
+    }
+
+    /// Sets the value at the dotted path of `a.b.c=VALUE`, creating missing sections; an empty
+    /// VALUE takes the key away. `number` is the position of the override.
+    pub fn set(&mut self, assignment: &str, number: usize) -> Result<(), String> {
+        let (path, value) =
+            assignment.split_once('=').ok_or("expected a.b.c=VALUE, but there is no `=`")?;
+        let mut value = match value.trim() {
+            "" => Node { data: Data::Empty, origin: self.origin },
+            text => parse(text).map_err(|error| error.reason)?,
+        };
+        value.stamp(Origin::Override(number));
+        let steps: Vec<&str> = path.trim().split('.').collect();
+        if steps.iter().any(|step| step.is_empty()) {
+            return Err("a name in front of `=` is empty".to_owned());
+        }
+        let origin = Origin::Override(number);
+        let mut here = self;
+        for (depth, step) in steps.iter().enumerate() {
+            let last = depth + 1 == steps.len();
+            if here.data == Data::Empty {
+                *here = Node { data: Data::Map(Vec::new()), origin };
+            }
+            let parent = if depth == 0 { "the case".to_owned() } else { steps[..depth].join(".") };
+            let what = here.describe();
+            here = match &mut here.data {
+                Data::Map(entries) => {
+                    if last && value.data == Data::Empty {
+                        entries.retain(|entry| entry.key != *step);
+                        return Ok(());
+                    }
+                    let index = entries.iter().position(|entry| entry.key == *step);
+                    let index = index.unwrap_or_else(|| {
+                        let node = Node { data: Data::Empty, origin };
+                        entries.push(Entry { key: (*step).to_owned(), origin, node });
+                        entries.len() - 1
+                    });
+                    &mut entries[index].node
+                }
+                Data::List(items) => {
+                    let length = items.len();
+                    match step.parse::<usize>() {
+                        Ok(index) if index < length => &mut items[index],
+                        Ok(index) if index == length => {
+                            items.push(Node { data: Data::Empty, origin });
+                            &mut items[index]
+                        }
+                        _ => {
+                            return Err(format!(
+                                "{parent} is a list of {length}; `{step}` is no position in it \
+                                 (0 to {length}, {length} appends)"
+                            ));
+                        }
+                    }
+                }
+                _ => return Err(format!("{parent} is {what}, so `{step}` cannot be set in it")),
+            };
+        }
+        *here = value;
+        Ok(())
+    }
+
+    fn stamp(&mut self, origin: Origin) {
+        self.origin = origin;
+        match &mut self.data {
+            Data::List(items) => items.iter_mut().for_each(|item| item.stamp(origin)),
+            Data::Map(entries) => entries.iter_mut().for_each(|entry| {
+                entry.origin = origin;
+                entry.node.stamp(origin);
+            }),
+            _ => {}
+        }
+    }
+}
+
+/// A number as it is written in messages.
+pub(super) fn number_text(number: f64) -> String {
+    let size = number.abs();
+    if size != 0.0 && !(1e-3..1e6).contains(&size) {
+        format!("{number:e}")
+    } else {
+        format!("{number}")
+    }
+}

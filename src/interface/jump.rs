@@ -1,0 +1,270 @@
+//! The jump of the displacement at the nodes of the secondary side, as rows over nodal values.
+//!
+//! At node i and component c the jump is g = sum over k of a_k u_k: own coefficient, coefficients
+//! of the primary side, and of secondary nodes whose component c is prescribed and which therefore
+//! carry no multiplier. The rows come from the dual mortar basis (Popp, Wohlmuth, Gee, Wall, SIAM
+//! J. Sci. Comput. 34, 2012), component by component; the owner of a secondary node owns its rows,
+//! and every rank that holds the node has a copy.
+
+use super::mortar::{PlaneFacet, facet_rows};
+use super::sides::Sides;
+use crate::comm::Comm;
+use crate::error::Result;
+use crate::mesh::{Column, Facets, LocalMesh};
+use crate::space::{Directory, Prescribed};
+
+/// The jump of one component at one secondary node.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JumpRow<N> {
+    /// Integral of the multiplier basis function (m2; 2D: m): the weight of the node.
+    pub weight: f64,
+    /// Coefficient of the node itself.
+    pub own: f64,
+    /// Coefficients of other nodes.
+    pub others: Vec<(N, f64)>,
+}
+
+/// The rows of one secondary node, one per component; none where the component is prescribed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JumpRows<N> {
+    /// The node.
+    pub node: N,
+    /// The interface it belongs to.
+    pub interface: usize,
+    /// One row per component that has a multiplier.
+    pub rows: [Option<JumpRow<N>>; 3],
+}
+
+impl JumpRows<u64> {
+    /// The same rows with every name replaced.
+    pub fn renamed(self, new: impl Fn(u64) -> u32) -> JumpRows<u32> {
+        let rename = |row: JumpRow<u64>| JumpRow {
+            weight: row.weight,
+            own: row.own,
+            others: row.others.into_iter().map(|(n, a)| (new(n), a)).collect(),
+        };
+        JumpRows {
+            node: new(self.node),
+            interface: self.interface,
+            rows: self.rows.map(|row| row.map(rename)),
+        }
+    }
+}
+
+/// Marks the weight among the coefficients of a row.
+const WEIGHT: u64 = u64::MAX;
+
+/// One summand of a row on its way to the owner of the node.
+#[derive(Debug, Clone, Copy)]
+struct Term {
+    node: u64,
+    component: u64,
+    other: u64,
+    value: f64,
+}
+
+/// The rows of all secondary nodes that this rank's cells touch, by rising name.
+///
+/// Collective: each rank integrates the facets of its own cells.
+///
+/// # Errors
+/// `Input` when the primary side does not cover the secondary side.
+pub fn jump_rows(
+    comm: &Comm,
+    mesh: &LocalMesh,
+    sides: &[Sides],
+    prescribed: &Prescribed,
+    directory: &Directory<'_>,
+) -> Result<Vec<JumpRows<u64>>> {
+    let terms = comm.agree(integrate(mesh, sides, prescribed))?;
+    let nodes: Vec<(u64, usize)> = mesh
+        .nodes
+        .iter()
+        .filter_map(|n| Some((*n, sides.iter().position(|s| s.is_secondary(&mesh.column, *n))?)))
+        .collect();
+    let received = send_to_owners(comm, directory, &terms);
+    let mut rows = sum(received, sides, &nodes, &directory.owned);
+    let missing: Vec<u64> =
+        nodes.iter().map(|n| n.0).filter(|n| directory.owned.binary_search(n).is_err()).collect();
+    rows.extend(fetch(comm, directory, &rows, &missing));
+    rows.sort_by_key(|r| r.node);
+    Ok(rows)
+}
+
+/// The terms that the secondary facets of this rank's cells contribute.
+fn integrate(mesh: &LocalMesh, sides: &[Sides], prescribed: &Prescribed) -> Result<Vec<Term>> {
+    let column = &mesh.column;
+    let mut terms = Vec::new();
+    for cell in &mesh.cells {
+        let place = column.cell_place(*cell);
+        for side in sides.iter().filter(|s| s.cell_is_secondary(column, place)) {
+            let secondary = plane_facet(column, side.secondary, [place.at[0], place.at[1]]);
+            let [low, high] = secondary.bounds();
+            let primary: Vec<PlaneFacet> = column
+                .facets_over(side.primary, low, high)
+                .into_iter()
+                .map(|at| plane_facet(column, side.primary, at))
+                .collect();
+            let primary: Vec<&PlaneFacet> = primary.iter().collect();
+            for row in facet_rows(&secondary, &primary, &dropped(&secondary, prescribed, column.dim))? {
+                for component in (0..column.dim).filter(|c| row.components[*c]) {
+                    let term = |other, value| Term { node: row.node, component: component as u64, other, value };
+                    terms.push(term(WEIGHT, row.weight));
+                    terms.extend(row.secondary.iter().map(|(n, v)| term(*n, side.sign() * v)));
+                    terms.extend(row.primary.iter().map(|(n, v)| term(*n, -side.sign() * v)));
+                }
+            }
+        }
+    }
+    Ok(terms)
+}
+
+/// A facet of the lattice in the plane of its interface.
+fn plane_facet(column: &Column, face: Facets, at: [usize; 2]) -> PlaneFacet {
+    let nodes = column.facet_nodes(face, at);
+    let points: Vec<[f64; 3]> = nodes.iter().map(|n| column.point(*n)).collect();
+    if column.dim == 2 {
+        PlaneFacet::line([nodes[0], nodes[1]], [points[0][0], points[1][0]])
+    } else {
+        let at = |i: usize| [points[i][0], points[i][1]];
+        PlaneFacet::quad([nodes[0], nodes[1], nodes[2], nodes[3]], [at(0), at(1), at(2), at(3)])
+    }
+}
+
+/// Per component, the nodes of a facet that carry no multiplier, one bit each.
+fn dropped(facet: &PlaneFacet, prescribed: &Prescribed, dim: usize) -> Vec<u8> {
+    let mut masks = vec![0u8; dim];
+    for (bit, node) in facet.nodes().iter().enumerate() {
+        for (mask, fixed) in masks.iter_mut().zip(prescribed.components_of(*node)) {
+            *mask |= u8::from(fixed) << bit;
+        }
+    }
+    masks
+}
+
+/// The terms of the nodes this rank owns, from all ranks. Collective.
+fn send_to_owners(comm: &Comm, directory: &Directory<'_>, terms: &[Term]) -> Vec<Term> {
+    let nodes: Vec<u64> = terms.iter().map(|t| t.node).collect();
+    let mut packed = vec![Vec::new(); comm.size() as usize];
+    for (term, entry) in terms.iter().zip(directory.look_up(&nodes)) {
+        packed[entry.owner as usize].extend([
+            term.node,
+            term.component,
+            term.other,
+            term.value.to_bits(),
+        ]);
+    }
+    comm.exchange(&packed)
+        .iter()
+        .flat_map(|list| list.chunks_exact(4))
+        .map(|t| Term { node: t[0], component: t[1], other: t[2], value: f64::from_bits(t[3]) })
+        .collect()
+}
+
+/// Sums the terms to rows; nodes without any keep empty rows.
+fn sum(
+    mut terms: Vec<Term>,
+    sides: &[Sides],
+    nodes: &[(u64, usize)],
+    owned: &[u64],
+) -> Vec<JumpRows<u64>> {
+    // The order of summation must not depend on who integrated what.
+    terms.sort_by(|a, b| {
+        (a.node, a.component, a.other)
+            .cmp(&(b.node, b.component, b.other))
+            .then(a.value.total_cmp(&b.value))
+    });
+    let mut rows: Vec<JumpRows<u64>> = nodes
+        .iter()
+        .filter(|(node, _)| owned.binary_search(node).is_ok())
+        .map(|(node, interface)| JumpRows { node: *node, interface: *interface, rows: [None, None, None] })
+        .collect();
+    for same in terms.chunk_by(|a, b| (a.node, a.component) == (b.node, b.component)) {
+        let node = same[0].node;
+        let total = |other: u64| -> f64 {
+            same.iter().filter(|t| t.other == other).map(|t| t.value).sum()
+        };
+        let weight = total(WEIGHT);
+        let others = same
+            .chunk_by(|a, b| a.other == b.other)
+            .filter(|group| group[0].other != WEIGHT && group[0].other != node)
+            .map(|group| (group[0].other, group.iter().map(|t| t.value).sum::<f64>() / weight))
+            .filter(|(_, coefficient)| coefficient.abs() > 1e-15)
+            .collect();
+        let at = rows.binary_search_by_key(&node, |r| r.node).expect("terms go to the owner");
+        debug_assert!(rows[at].interface < sides.len());
+        rows[at].rows[same[0].component as usize] =
+            Some(JumpRow { weight, own: total(node) / weight, others });
+    }
+    rows
+}
+
+/// Copies of the rows of nodes that other ranks own. Collective.
+fn fetch(
+    comm: &Comm,
+    directory: &Directory<'_>,
+    owned: &[JumpRows<u64>],
+    missing: &[u64],
+) -> Vec<JumpRows<u64>> {
+    let mut wanted = vec![Vec::new(); comm.size() as usize];
+    for (node, entry) in missing.iter().zip(directory.look_up(missing)) {
+        wanted[entry.owner as usize].push(*node);
+    }
+    let replies: Vec<Vec<u64>> = comm
+        .exchange(&wanted)
+        .iter()
+        .map(|list| {
+            let rows = list.iter().filter_map(|node| {
+                owned.iter().find(|r| r.node == *node)
+            });
+            rows.flat_map(pack).collect()
+        })
+        .collect();
+    comm.exchange(&replies).iter().flat_map(|list| unpack(list)).collect()
+}
+
+fn pack(rows: &JumpRows<u64>) -> Vec<u64> {
+    let mut words = vec![rows.node, rows.interface as u64];
+    for row in &rows.rows {
+        let Some(row) = row else {
+            words.push(0);
+            continue;
+        };
+        words.extend([1, row.weight.to_bits(), row.own.to_bits(), row.others.len() as u64]);
+        words.extend(row.others.iter().flat_map(|(n, a)| [*n, a.to_bits()]));
+    }
+    words
+}
+
+fn unpack(words: &[u64]) -> Vec<JumpRows<u64>> {
+    let mut words = words.iter().copied();
+    let mut list = Vec::new();
+    while let Some(node) = words.next() {
+        let mut next = || words.next().expect("packed by `pack`");
+        let interface = next() as usize;
+        let rows = std::array::from_fn(|_| {
+            (next() == 1).then(|| {
+                let (weight, own) = (f64::from_bits(next()), f64::from_bits(next()));
+                let n = next();
+                let others = (0..n).map(|_| (next(), f64::from_bits(next()))).collect();
+                JumpRow { weight, own, others }
+            })
+        });
+        list.push(JumpRows { node, interface, rows });
+    }
+    list
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_survive_the_journey() {
+        let row = JumpRow { weight: 0.25, own: -1.0, others: vec![(7, 0.5), (9, 1e-300)] };
+        let one = JumpRows { node: 3, interface: 1, rows: [Some(row.clone()), None, Some(row)] };
+        let two = JumpRows { node: 4, interface: 0, rows: [None, None, None] };
+        let words = [pack(&one), pack(&two)].concat();
+        assert_eq!(unpack(&words), [one, two]);
+    }
+}

@@ -1,0 +1,56 @@
+//! Which side of an interface carries the multipliers.
+
+use crate::case::{Case, Side};
+use crate::mesh::{CellPlace, Column, Facets};
+
+/// The two sides of one interface.
+#[derive(Debug, Clone, Copy)]
+pub struct Sides {
+    /// The side that carries the multipliers.
+    pub secondary: Facets,
+    /// The other side.
+    pub primary: Facets,
+}
+
+impl Sides {
+    /// The sides of every interface: the secondary one as the case says, else the softer side,
+    /// else the finer one, else the upper one.
+    ///
+    /// A stiff and coarse secondary side makes the condensed matrix harder for multigrid.
+    pub fn choose(case: &Case, column: &Column) -> Vec<Self> {
+        let choose = |(index, interface): (usize, &crate::case::InterfaceSpec)| {
+            let lower = Facets { body: index, upper: true };
+            let upper = Facets { body: index + 1, upper: false };
+            let about = |face: Facets| {
+                let (size, material) = column.cell_size(column.facet_cell(face, [0, 0]));
+                (case.materials[material].young_modulus, size[0] * size[1])
+            };
+            let (below, above) = (about(lower), about(upper));
+            let lower_is_softer_or_finer =
+                below.0 < above.0 || (below.0 == above.0 && below.1 < above.1 * (1.0 - 1e-9));
+            match interface.secondary {
+                Some(Side::Lower) => Self { secondary: lower, primary: upper },
+                None if lower_is_softer_or_finer => Self { secondary: lower, primary: upper },
+                _ => Self { secondary: upper, primary: lower },
+            }
+        };
+        case.interfaces.iter().enumerate().map(choose).collect()
+    }
+
+    /// Sign of the secondary displacement in the jump (upper minus lower).
+    pub fn sign(&self) -> f64 {
+        if self.secondary.upper { -1.0 } else { 1.0 }
+    }
+
+    /// Whether a node lies on the secondary side.
+    pub fn is_secondary(&self, column: &Column, node: u64) -> bool {
+        let place = column.node_place(node);
+        let k = if self.secondary.upper { column.extent(self.secondary.body)[2] } else { 0 };
+        place.body == self.secondary.body && place.at[2] == k
+    }
+
+    /// Whether a cell has a facet on the secondary side.
+    pub fn cell_is_secondary(&self, column: &Column, place: CellPlace) -> bool {
+        column.facet_cell(self.secondary, [place.at[0], place.at[1]]) == place
+    }
+}

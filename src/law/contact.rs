@@ -1,0 +1,81 @@
+//! Frictionless unilateral contact.
+
+#![allow(clippy::needless_range_loop)] // index notation, as in the formulas
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{Branch, InterfaceLaw, Local, Response};
+
+/// Frictionless unilateral contact (Signorini): compression is transmitted, nothing else.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Contact {}
+
+impl InterfaceLaw for Contact {
+    /// w_n = max(p_n, 0) / r, w_t = p_t / r; the tangential directions are always free.
+    fn respond(&self, p: Local, augmentation: f64, history: f64, dim: usize) -> Response {
+        let closed = p[0] <= 0.0;
+        let mut out = Response {
+            jump: [0.0; 3],
+            traction: [p[0].min(0.0), 0.0, 0.0],
+            compliance: [[0.0; 3]; 3],
+            stuck: [closed, false, false],
+            tangent: [[0.0; 3]; 3],
+            branch: if closed { Branch::Closed } else { Branch::Open },
+            history,
+        };
+        for i in usize::from(closed)..dim {
+            out.jump[i] = p[i] / augmentation;
+            out.compliance[i][i] = 1.0 / augmentation;
+        }
+        out
+    }
+
+    fn augmentation(&self, stiffness: f64) -> f64 {
+        stiffness
+    }
+
+    fn jump_scale(&self) -> Option<f64> {
+        None
+    }
+
+    fn strength(&self) -> Option<f64> {
+        None
+    }
+
+    fn damage(&self, _history: f64) -> f64 {
+        0.0
+    }
+
+    fn dissipated(&self, _history: f64) -> f64 {
+        0.0
+    }
+
+    fn recoverable(&self, _jump: Local, _history: f64) -> f64 {
+        0.0
+    }
+
+    fn holds_opening(&self, _history: f64) -> bool {
+        false
+    }
+
+    fn holds_sliding(&self, _history: f64) -> bool {
+        false
+    }
+
+    fn check(&self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+#[cfg(test)]
+impl super::testkit::Samples for Contact {
+    fn samples() -> Vec<Self> {
+        vec![Contact {}]
+    }
+
+    fn branches() -> &'static [Branch] {
+        &[Branch::Open, Branch::Closed]
+    }
+}

@@ -1,0 +1,21 @@
+//! Distributed nonlinear finite elements for columns and blocks crossed by cohesive interfaces.
+//!
+//! The modules stand in the order in which data flows; a module uses only those above it.
+
+pub mod error;
+pub mod comm;
+pub mod petsc;
+pub mod runtime;
+pub mod law;
+pub mod case;
+pub mod element;
+pub mod mesh;
+pub mod partition;
+pub mod space;
+pub mod bulk;
+pub mod interface;
+pub mod assembly;
+pub mod solve;
+pub mod output;
+pub mod report;
+pub mod cli;

@@ -1,0 +1,348 @@
+//! The column generator: bodies stacked along z, each a lattice of boxes.
+
+use crate::case::{Case, Cells};
+use crate::error::{Error, Result};
+
+/// One layer of cells of a body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layer {
+    /// Lower and upper height (m).
+    pub z: [f64; 2],
+    /// Index of the material.
+    pub material: usize,
+}
+
+/// One body: the cells between two neighbouring interfaces.
+#[derive(Debug, Clone)]
+struct Body {
+    /// Cells along x and y (y: 1 in 2D).
+    cells: [usize; 2],
+    layers: Vec<Layer>,
+    first_node: u64,
+    first_cell: u64,
+}
+
+/// A column at one level of refinement. Small: of the size of one line of cells, the same on every
+/// rank; everything of the size of the mesh is computed from it for the cells a rank owns.
+#[derive(Debug, Clone)]
+pub struct Column {
+    /// 2 (x, z; plane strain) or 3.
+    pub dim: usize,
+    /// Extent along x, y, z (m); y is 0 in 2D.
+    pub size: [f64; 3],
+    /// Uniform refinements of the mesh that the case describes.
+    pub level: u32,
+    bodies: Vec<Body>,
+}
+
+/// A cell by its place: body, and position along x, y, z in the body's lattice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CellPlace {
+    /// Body, counted from the bottom.
+    pub body: usize,
+    /// Position along x, y, z.
+    pub at: [usize; 3],
+}
+
+/// A node by its place, as [`CellPlace`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NodePlace {
+    /// Body, counted from the bottom.
+    pub body: usize,
+    /// Position along x, y, z.
+    pub at: [usize; 3],
+}
+
+/// The facets of one horizontal face of a body: the side of an interface.
+#[derive(Debug, Clone, Copy)]
+pub struct Facets {
+    /// The body whose face it is.
+    pub body: usize,
+    /// Whether it is the body's upper face.
+    pub upper: bool,
+}
+
+/// The named surfaces a node lies on, one bit each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Surfaces(u8);
+
+impl Surfaces {
+    /// Bits in the order bottom, top, left, right, front, back.
+    const BITS: [(crate::case::Surface, u8); 6] = {
+        use crate::case::Surface::*;
+        [(Bottom, 1), (Top, 2), (Left, 4), (Right, 8), (Front, 16), (Back, 32)]
+    };
+
+    /// Whether the node lies on `surface`.
+    pub fn contains(self, surface: crate::case::Surface) -> bool {
+        surface == crate::case::Surface::All
+            || Self::BITS.iter().any(|(s, bit)| *s == surface && self.0 & bit != 0)
+    }
+}
+
+impl Column {
+    /// The column of a case, not yet refined.
+    ///
+    /// # Errors
+    /// `Input` when a material's height range leaves a layer without a material.
+    pub fn new(case: &Case) -> Result<Self> {
+        let dim = case.dim;
+        let size = match dim {
+            2 => [case.mesh.size[0], 0.0, case.mesh.size[1]],
+            _ => [case.mesh.size[0], case.mesh.size[1], case.mesh.size[2]],
+        };
+        let planes: Vec<f64> = std::iter::once(0.0)
+            .chain(case.interfaces.iter().map(|i| i.z))
+            .chain(std::iter::once(size[2]))
+            .collect();
+        let changes: Vec<f64> = case.materials.iter().flat_map(|m| m.z).flatten().collect();
+        let mut bodies = Vec::new();
+        let (mut first_node, mut first_cell) = (0, 0);
+        for (index, ends) in planes.windows(2).enumerate() {
+            let (cells, mut levels) = match &case.mesh.cells {
+                Cells::Whole(n) => (*n, uniform([0.0, size[2]], n[2])),
+                Cells::Bodies(list) => (list[index], uniform([ends[0], ends[1]], list[index][2])),
+            };
+            levels.extend(changes.iter().chain(ends));
+            let levels = between(levels, [ends[0], ends[1]], 1e-9 * size[2]);
+            let layers = levels
+                .windows(2)
+                .map(|z| {
+                    let z = [z[0], z[1]];
+                    Ok(Layer { z, material: material_at(case, 0.5 * (z[0] + z[1]))? })
+                })
+                .collect::<Result<Vec<_>>>()?;
+            let cells = [cells[0], if dim == 2 { 1 } else { cells[1] }];
+            bodies.push(Body { cells, layers, first_node, first_cell });
+            let body = &bodies[index];
+            first_node += body.nodes(dim, 0).iter().map(|n| *n as u64).product::<u64>();
+            first_cell += body.extent(dim, 0).iter().map(|n| *n as u64).product::<u64>();
+        }
+        Ok(Self { dim, size, level: 0, bodies })
+    }
+
+    /// The same column after `levels` more uniform refinements.
+    pub fn refined(&self, levels: u32) -> Self {
+        let mut column = Self { level: self.level + levels, ..self.clone() };
+        let (mut first_node, mut first_cell) = (0, 0);
+        for body in &mut column.bodies {
+            (body.first_node, body.first_cell) = (first_node, first_cell);
+            let (nodes, cells) =
+                (body.nodes(self.dim, column.level), body.extent(self.dim, column.level));
+            first_node += nodes.iter().map(|n| *n as u64).product::<u64>();
+            first_cell += cells.iter().map(|n| *n as u64).product::<u64>();
+        }
+        column
+    }
+
+    /// Number of bodies.
+    pub fn bodies(&self) -> usize {
+        self.bodies.len()
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> u64 {
+        let last = self.bodies.len() - 1;
+        self.bodies[last].first_cell
+            + self.extent(last).iter().map(|n| *n as u64).product::<u64>()
+    }
+
+    /// Number of nodes.
+    pub fn nodes(&self) -> u64 {
+        let last = self.bodies.len() - 1;
+        self.bodies[last].first_node + product(self.node_extent(last))
+    }
+
+    /// Cells of a body along x, y, z.
+    pub fn extent(&self, body: usize) -> [usize; 3] {
+        self.bodies[body].extent(self.dim, self.level)
+    }
+
+    fn node_extent(&self, body: usize) -> [usize; 3] {
+        self.bodies[body].nodes(self.dim, self.level)
+    }
+
+    /// The place of a cell.
+    pub fn cell_place(&self, cell: u64) -> CellPlace {
+        let body = self.bodies.partition_point(|b| b.first_cell <= cell) - 1;
+        let at = unflatten(cell - self.bodies[body].first_cell, self.extent(body));
+        CellPlace { body, at }
+    }
+
+    /// The number of a cell.
+    pub fn cell(&self, place: CellPlace) -> u64 {
+        self.bodies[place.body].first_cell + flatten(place.at, self.extent(place.body))
+    }
+
+    /// The place of a node.
+    pub fn node_place(&self, node: u64) -> NodePlace {
+        let body = self.bodies.partition_point(|b| b.first_node <= node) - 1;
+        let at = unflatten(node - self.bodies[body].first_node, self.node_extent(body));
+        NodePlace { body, at }
+    }
+
+    /// The number of a node.
+    pub fn node(&self, place: NodePlace) -> u64 {
+        self.bodies[place.body].first_node + flatten(place.at, self.node_extent(place.body))
+    }
+
+    /// The nodes of a cell in VTK order: 4 (quad4 in x, z) or 8 (hex8).
+    pub fn cell_nodes(&self, place: CellPlace) -> Vec<u64> {
+        let corner = |d: [usize; 3]| {
+            let at = [place.at[0] + d[0], place.at[1] + d[1], place.at[2] + d[2]];
+            self.node(NodePlace { body: place.body, at })
+        };
+        if self.dim == 2 {
+            [[0, 0, 0], [1, 0, 0], [1, 0, 1], [0, 0, 1]].map(corner).to_vec()
+        } else {
+            let low = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]];
+            let high = low.map(|d| [d[0], d[1], 1]);
+            low.into_iter().chain(high).map(corner).collect()
+        }
+    }
+
+    /// Position of a node (m).
+    pub fn point(&self, node: u64) -> [f64; 3] {
+        let NodePlace { body, at } = self.node_place(node);
+        let n = self.extent(body);
+        let along = |axis: usize| self.size[axis] * (at[axis] as f64 / n[axis] as f64);
+        let y = if self.dim == 2 { 0.0 } else { along(1) };
+        [along(0), y, self.height(body, at[2])]
+    }
+
+    /// Height of a plane of nodes of a body (m).
+    fn height(&self, body: usize, k: usize) -> f64 {
+        let (layers, parts) = (&self.bodies[body].layers, 1usize << self.level);
+        let layer = (k / parts).min(layers.len() - 1);
+        let [low, high] = layers[layer].z;
+        let fraction = (k - layer * parts) as f64 / parts as f64;
+        if fraction == 1.0 { high } else { low + (high - low) * fraction }
+    }
+
+    /// Edge lengths of a cell along x, y, z (m; y is 1 in 2D, the unit thickness) and its material.
+    pub fn cell_size(&self, place: CellPlace) -> ([f64; 3], usize) {
+        let n = self.extent(place.body);
+        let layer = &self.bodies[place.body].layers[place.at[2] >> self.level];
+        let y = if self.dim == 2 { 1.0 } else { self.size[1] / n[1] as f64 };
+        let z = (layer.z[1] - layer.z[0]) / (1u64 << self.level) as f64;
+        ([self.size[0] / n[0] as f64, y, z], layer.material)
+    }
+
+    /// The named surfaces a node lies on.
+    pub fn surfaces(&self, node: u64) -> Surfaces {
+        let NodePlace { body, at } = self.node_place(node);
+        let n = self.extent(body);
+        let flat = self.dim == 2;
+        let conditions = [
+            body == 0 && at[2] == 0,
+            body + 1 == self.bodies.len() && at[2] == n[2],
+            at[0] == 0,
+            at[0] == n[0],
+            !flat && at[1] == 0,
+            !flat && at[1] == n[1],
+        ];
+        Surfaces(conditions.iter().enumerate().map(|(bit, on)| u8::from(*on) << bit).sum())
+    }
+
+    /// The cells that a coarse cell becomes after `levels` refinements; `self` is the coarse
+    /// column.
+    pub fn descendants(&self, place: CellPlace, levels: u32) -> Vec<CellPlace> {
+        let parts = 1usize << levels;
+        let y_parts = if self.dim == 2 { 1 } else { parts };
+        let mut list = Vec::with_capacity(parts * parts * y_parts);
+        for k in 0..parts {
+            for j in 0..y_parts {
+                for i in 0..parts {
+                    let [x, y, z] = place.at;
+                    let at = [x * parts + i, y * y_parts + j, z * parts + k];
+                    list.push(CellPlace { body: place.body, at });
+                }
+            }
+        }
+        list
+    }
+
+    /// The cell behind a facet of a face; `at` is the facet's position along x, y.
+    pub fn facet_cell(&self, face: Facets, at: [usize; 2]) -> CellPlace {
+        let k = if face.upper { self.extent(face.body)[2] - 1 } else { 0 };
+        CellPlace { body: face.body, at: [at[0], at[1], k] }
+    }
+
+    /// The nodes of a facet, in the order of line2 (x rising) or quad4 (counter-clockwise from
+    /// above).
+    pub fn facet_nodes(&self, face: Facets, at: [usize; 2]) -> Vec<u64> {
+        let k = if face.upper { self.extent(face.body)[2] } else { 0 };
+        let corner = |d: [usize; 2]| {
+            let at = [at[0] + d[0], at[1] + d[1], k];
+            self.node(NodePlace { body: face.body, at })
+        };
+        if self.dim == 2 {
+            [[0, 0], [1, 0]].map(corner).to_vec()
+        } else {
+            [[0, 0], [1, 0], [1, 1], [0, 1]].map(corner).to_vec()
+        }
+    }
+
+    /// The facets of `face` that overlap the box from `low` to `high` in the plane (m).
+    pub fn facets_over(&self, face: Facets, low: [f64; 2], high: [f64; 2]) -> Vec<[usize; 2]> {
+        let n = self.extent(face.body);
+        let range = |axis: usize| {
+            if axis == 1 && self.dim == 2 {
+                return 0..1;
+            }
+            let step = self.size[axis] / n[axis] as f64;
+            // A facet that only touches the box is left out.
+            let first = (low[axis] / step + 1e-9).floor().max(0.0) as usize;
+            let last = (high[axis] / step - 1e-9).ceil().max(0.0) as usize;
+            first..last.min(n[axis])
+        };
+        range(1).flat_map(|j| range(0).map(move |i| [i, j])).collect()
+    }
+}
+
+impl Body {
+    fn extent(&self, dim: usize, level: u32) -> [usize; 3] {
+        let y = if dim == 2 { 1 } else { self.cells[1] << level };
+        [self.cells[0] << level, y, self.layers.len() << level]
+    }
+
+    fn nodes(&self, dim: usize, level: u32) -> [usize; 3] {
+        let [x, y, z] = self.extent(dim, level);
+        [x + 1, if dim == 2 { 1 } else { y + 1 }, z + 1]
+    }
+}
+
+fn product(n: [usize; 3]) -> u64 {
+    n.iter().map(|n| *n as u64).product()
+}
+
+fn flatten(at: [usize; 3], n: [usize; 3]) -> u64 {
+    at[0] as u64 + n[0] as u64 * (at[1] as u64 + n[1] as u64 * at[2] as u64)
+}
+
+fn unflatten(index: u64, n: [usize; 3]) -> [usize; 3] {
+    let (x, y) = (n[0] as u64, n[1] as u64);
+    [(index % x) as usize, (index / x % y) as usize, (index / (x * y)) as usize]
+}
+
+/// The planes that divide a range into equal layers.
+fn uniform(ends: [f64; 2], layers: usize) -> Vec<f64> {
+    let part = |k: usize| ends[0] + (ends[1] - ends[0]) * (k as f64 / layers as f64);
+    (0..=layers).map(part).collect()
+}
+
+/// Sorted planes within `ends`; of planes closer than `tolerance` an end wins.
+fn between(mut planes: Vec<f64>, ends: [f64; 2], tolerance: f64) -> Vec<f64> {
+    planes.retain(|z| *z > ends[0] + tolerance && *z < ends[1] - tolerance);
+    planes.extend(ends);
+    planes.sort_by(f64::total_cmp);
+    planes.dedup_by(|b, a| *b - *a <= tolerance);
+    planes
+}
+
+fn material_at(case: &Case, z: f64) -> Result<usize> {
+    let holds = |m: &crate::case::Material| m.z.is_none_or(|[low, high]| low < z && z < high);
+    case.materials.iter().position(holds).ok_or_else(|| {
+        Error::Input(format!("no material is given at the height z = {z} m; see materials.*.z"))
+    })
+}

@@ -1,0 +1,361 @@
+//! Field files: VTKHDF 1.0 static unstructured grids, one file per written instant and all ranks.
+//!
+//! A file holds one part in global numbering: the rows of rank r follow those of the ranks below
+//! it, a node appears once, and connectivity counts rows of the whole file. Readers then give a
+//! plain grid, on any number of ranks.
+//!
+//! Format: VTK file formats, "VTKHDF file format", version 1.0.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use ::hdf5::types::FixedAscii;
+use ::hdf5::{Group, H5Type};
+use mpi::collective::SystemOperation;
+use mpi::topology::SimpleCommunicator;
+use mpi::traits::{Communicator, CommunicatorCollectives, Root};
+use serde::Serialize;
+
+use super::hdf5::{CollectiveFile, Rows};
+use super::{agree, atomic};
+use crate::error::{Error, Result};
+
+/// VTK's number of a line with two nodes.
+pub const LINE: u8 = 3;
+/// VTK's number of a quadrilateral with four nodes.
+pub const QUADRILATERAL: u8 = 9;
+/// VTK's number of a hexahedron with eight nodes.
+pub const HEXAHEDRON: u8 = 12;
+
+/// One rank's share of a grid of cells of one kind.
+#[derive(Debug, Clone, Copy)]
+pub struct Grid<'a> {
+    /// Positions of the points that this rank writes in m; of a 2D model (x, 0, z).
+    pub points: &'a [[f64; 3]],
+    /// Points of this rank's cells as rows of the whole file, shape (cells, `nodes_per_cell`).
+    pub connectivity: &'a [i64],
+    /// Number of nodes of a cell, the same on all ranks.
+    pub nodes_per_cell: usize,
+    /// VTK's number of the kind of cell, the same on all ranks.
+    pub cell_type: u8,
+}
+
+/// Values at this rank's points or cells, shape (points or cells, `components`).
+#[derive(Debug, Clone, Copy)]
+pub struct Array<'a> {
+    /// Name in the file, without `/` and `.`.
+    pub name: &'a str,
+    /// Number of components; two are for neither vectors nor tensors: write vectors with three.
+    pub components: usize,
+    /// The numbers, row by row.
+    pub values: Values<'a>,
+}
+
+impl Array<'_> {
+    /// Bytes of one row in the file.
+    fn row_bytes(&self) -> u64 {
+        let one = match self.values {
+            Values::F64(_) | Values::I64(_) => 8,
+            Values::I32(_) => 4,
+        };
+        one * self.components as u64
+    }
+}
+
+/// The numbers of an [`Array`].
+#[derive(Debug, Clone, Copy)]
+pub enum Values<'a> {
+    /// Real numbers.
+    F64(&'a [f64]),
+    /// Global ids.
+    I64(&'a [i64]),
+    /// Small integers: rank, material, state.
+    I32(&'a [i32]),
+}
+
+impl Values<'_> {
+    fn len(&self) -> usize {
+        match self {
+            Values::F64(v) => v.len(),
+            Values::I64(v) => v.len(),
+            Values::I32(v) => v.len(),
+        }
+    }
+}
+
+/// The row of this rank's first of `own` rows, and the number of rows of all ranks.
+///
+/// # Parallel
+/// Collective.
+pub fn rows_of(comm: &SimpleCommunicator, own: usize) -> Rows {
+    let own = own as u64;
+    let (mut through, mut total) = (0u64, 0u64);
+    comm.scan_into(&own, &mut through, SystemOperation::sum());
+    comm.all_reduce_into(&own, &mut total, SystemOperation::sum());
+    Rows { first: through - own, total }
+}
+
+/// Writes one grid with its data; the file is complete or absent under its name.
+///
+/// # Arguments
+/// * `point_data`, `cell_data` the same names, kinds and components in the same order on all ranks
+///
+/// # Errors
+/// [`Error::System`] with the path and the reason if the file cannot be written; [`Error::Bug`] if
+/// lengths do not fit or connectivity names a row that no rank writes. The same on all ranks.
+///
+/// # Parallel
+/// Collective; a rank may have no points and no cells.
+pub fn write_grid(
+    comm: &SimpleCommunicator,
+    path: &Path,
+    grid: &Grid,
+    point_data: &[Array],
+    cell_data: &[Array],
+) -> Result<()> {
+    let cells = grid.connectivity.len() / grid.nodes_per_cell;
+    let points = rows_of(comm, grid.points.len());
+    let cells = rows_of(comm, cells);
+    agree(comm, check(grid, points.total, point_data, cell_data))?;
+
+    let root = comm.rank() == 0;
+    let mut process = std::process::id();
+    comm.process_at_rank(0).broadcast_into(&mut process);
+    let temporary = atomic::temporary(path, process);
+    let writer = GridWriter { comm, path, points, cells };
+    let size = writer.size(grid, point_data, cell_data);
+    // The library does not pass on why a file cannot be created; the operating system does.
+    let create = || fs::File::create(&temporary).and_then(|_| atomic::reserve(&temporary, size));
+    let created = if root { writer.explain(create(), size) } else { Ok(()) };
+    if root && created.is_err() {
+        atomic::discard(&temporary);
+    }
+    agree(comm, created)?;
+
+    let mut outcome = writer.write(&temporary, size, grid, point_data, cell_data);
+    if root {
+        outcome = outcome.and_then(|()| atomic::publish(&temporary, path));
+        if outcome.is_err() {
+            atomic::discard(&temporary);
+        }
+    }
+    agree(comm, outcome)
+}
+
+fn check(grid: &Grid, points: u64, point_data: &[Array], cell_data: &[Array]) -> Result<()> {
+    let bug = |text: String| Err(Error::Bug(format!("field output: {text}")));
+    let rows = grid.connectivity.len() / grid.nodes_per_cell;
+    if rows * grid.nodes_per_cell != grid.connectivity.len() {
+        return bug(format!(
+            "{} connectivity entries for cells of {} nodes",
+            grid.connectivity.len(),
+            grid.nodes_per_cell
+        ));
+    }
+    if let Some(row) = grid.connectivity.iter().find(|&&r| r < 0 || r as u64 >= points) {
+        return bug(format!("connectivity names row {row} of {points} points"));
+    }
+    let of = |arrays: &'_ [Array], rows: usize| {
+        let wrong =
+            arrays.iter().find(|a| a.components == 0 || a.values.len() != rows * a.components);
+        wrong.map(|a| (a.name.to_string(), a.values.len(), a.components, rows))
+    };
+    match of(point_data, grid.points.len()).or_else(|| of(cell_data, rows)) {
+        Some((name, values, components, rows)) => {
+            bug(format!("{name} has {values} values for {rows} rows of {components} components"))
+        }
+        None => Ok(()),
+    }
+}
+
+struct GridWriter<'a> {
+    comm: &'a SimpleCommunicator,
+    path: &'a Path,
+    points: Rows,
+    cells: Rows,
+}
+
+impl GridWriter<'_> {
+    /// Bytes of the file: its rows, and ample room for names and shapes.
+    fn size(&self, grid: &Grid, point_data: &[Array], cell_data: &[Array]) -> u64 {
+        let nodes = grid.nodes_per_cell as u64;
+        let of = |arrays: &[Array]| -> u64 { arrays.iter().map(Array::row_bytes).sum() };
+        let headers = 16384 + 4096 * (point_data.len() + cell_data.len()) as u64;
+        self.points.total * (24 + of(point_data))
+            + self.cells.total * (8 * nodes + 9 + of(cell_data))
+            + headers
+    }
+
+    fn explain(&self, outcome: std::io::Result<()>, size: u64) -> Result<()> {
+        outcome.map_err(|cause| {
+            Error::file("cannot write", self.path, format!("{cause} (its size is {size} bytes)"))
+        })
+    }
+
+    fn write(
+        &self,
+        temporary: &Path,
+        size: u64,
+        grid: &Grid,
+        point_data: &[Array],
+        cell_data: &[Array],
+    ) -> Result<()> {
+        let file = self.agreed(CollectiveFile::create(self.comm, temporary))?;
+        // Creating the file gave back the room that was made for it.
+        let root = self.comm.rank() == 0;
+        let room = if root { atomic::reserve(temporary, size) } else { Ok(()) };
+        let written = agree(self.comm, self.explain(room, size))
+            .and_then(|()| self.write_groups(&file, grid, point_data, cell_data));
+        // Closing is collective and every rank is here, whether the writes went well or not.
+        let closed = self.agreed(file.close());
+        written.and(closed)
+    }
+
+    fn write_groups(
+        &self,
+        file: &CollectiveFile,
+        grid: &Grid,
+        point_data: &[Array],
+        cell_data: &[Array],
+    ) -> Result<()> {
+        let (points, cells) = (self.points, self.cells);
+        let group = self.agreed(file.create_group("VTKHDF"))?;
+        self.agreed(write_kind(&group))?;
+
+        let root = self.comm.rank() == 0;
+        let connectivity = Rows {
+            first: cells.first * grid.nodes_per_cell as u64,
+            total: cells.total * grid.nodes_per_cell as u64,
+        };
+        for (name, total) in [
+            ("NumberOfPoints", points.total),
+            ("NumberOfCells", cells.total),
+            ("NumberOfConnectivityIds", connectivity.total),
+        ] {
+            let own: &[i64] = if root { &[total as i64] } else { &[] };
+            self.rows(file, &group, name, Rows { first: 0, total: 1 }, 1, own)?;
+        }
+        self.rows(file, &group, "Points", points, 3, grid.points.as_flattened())?;
+        self.rows(file, &group, "Connectivity", connectivity, 1, grid.connectivity)?;
+
+        // Offsets has one entry more than there are cells: rank 0 writes the leading zero.
+        let own = grid.connectivity.len() / grid.nodes_per_cell;
+        let ends =
+            (1..=own as u64).map(|i| ((cells.first + i) * grid.nodes_per_cell as u64) as i64);
+        let offsets: Vec<i64> = root.then_some(0).into_iter().chain(ends).collect();
+        let first = if root { 0 } else { cells.first + 1 };
+        self.rows(file, &group, "Offsets", Rows { first, total: cells.total + 1 }, 1, &offsets)?;
+        self.rows(file, &group, "Types", cells, 1, &vec![grid.cell_type; own])?;
+
+        self.arrays(file, &group, "PointData", points, point_data)?;
+        self.arrays(file, &group, "CellData", cells, cell_data)
+    }
+
+    fn arrays(
+        &self,
+        file: &CollectiveFile,
+        parent: &Group,
+        name: &str,
+        rows: Rows,
+        arrays: &[Array],
+    ) -> Result<()> {
+        let group = self.agreed(parent.create_group(name))?;
+        for array in arrays {
+            let components = array.components;
+            match array.values {
+                Values::F64(v) => self.rows(file, &group, array.name, rows, components, v)?,
+                Values::I64(v) => self.rows(file, &group, array.name, rows, components, v)?,
+                Values::I32(v) => self.rows(file, &group, array.name, rows, components, v)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn rows<T: H5Type>(
+        &self,
+        file: &CollectiveFile,
+        group: &Group,
+        name: &str,
+        rows: Rows,
+        components: usize,
+        values: &[T],
+    ) -> Result<()> {
+        self.agreed(file.write_rows(group, name, rows, components, values))
+    }
+
+    fn agreed<T>(&self, result: ::hdf5::Result<T>) -> Result<T> {
+        agree(self.comm, result.map_err(|cause| Error::file("cannot write", self.path, cause)))
+    }
+}
+
+/// The two attributes by which readers know the format.
+///
+/// `Type` must be a fixed-length ASCII string of exactly its length: older readers refuse others.
+fn write_kind(group: &Group) -> ::hdf5::Result<()> {
+    let kind = FixedAscii::<16>::from_ascii(b"UnstructuredGrid").expect("sixteen ASCII letters");
+    group.new_attr::<FixedAscii<16>>().create("Type")?.write_scalar(&kind)?;
+    group.new_attr_builder().with_data(&[1i64, 0]).create("Version")?;
+    Ok(())
+}
+
+/// The files of one grid over time and the index that readers open.
+#[derive(Debug)]
+pub struct Series {
+    directory: PathBuf,
+    name: String,
+    files: Vec<Instant>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Instant {
+    name: String,
+    time: f64,
+}
+
+#[derive(Serialize)]
+struct Index<'a> {
+    #[serde(rename = "file-series-version")]
+    version: &'static str,
+    files: &'a [Instant],
+}
+
+impl Series {
+    /// A series without files; `name` is `bulk` or the name of an interface.
+    pub fn new(directory: PathBuf, name: &str) -> Self {
+        Self { directory, name: name.to_string(), files: Vec::new() }
+    }
+
+    /// Writes the grid at one instant, then the index with it.
+    ///
+    /// # Arguments
+    /// * `step` number in the file's name
+    /// * `time` in s
+    ///
+    /// # Errors
+    /// As [`write_grid`].
+    ///
+    /// # Parallel
+    /// Collective.
+    pub fn write(
+        &mut self,
+        comm: &SimpleCommunicator,
+        step: usize,
+        time: f64,
+        grid: &Grid,
+        point_data: &[Array],
+        cell_data: &[Array],
+    ) -> Result<()> {
+        let name = format!("{}_{step:06}.vtkhdf", self.name);
+        write_grid(comm, &self.directory.join(&name), grid, point_data, cell_data)?;
+        self.files.push(Instant { name, time });
+        agree(comm, if comm.rank() == 0 { self.write_index() } else { Ok(()) })
+    }
+
+    fn write_index(&self) -> Result<()> {
+        let path = self.directory.join(format!("{}.vtkhdf.series", self.name));
+        let index = Index { version: "1.0", files: &self.files };
+        let text = serde_json::to_string_pretty(&index)
+            .map_err(|cause| Error::Bug(format!("index of {}: {cause}", self.name)))?;
+        atomic::write_text(&path, &(text + "\n"))
+    }
+}

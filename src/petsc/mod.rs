@@ -1,0 +1,21 @@
+//! The fence around PETSc: options, vectors, matrices and the nonlinear solver.
+//!
+//! Everything here is safe to call. PETSc is built without argument checks, so the wrappers check
+//! lengths and ranges themselves. Every object keeps PETSc and MPI alive. Objects of PETSc are
+//! created, used and dropped collectively unless a method says that it is local.
+
+mod error;
+pub(crate) mod ffi;
+mod linear;
+mod matrix;
+mod session;
+mod snes;
+mod vector;
+
+pub use linear::{KspSetup, LinearFailure, LinearReason};
+pub use matrix::Matrix;
+pub use session::{Petsc, Stage};
+pub use snes::{
+    LinearTolerance, NonlinearSystem, Snes, SnesReason, SolveReport, TangentChange, Verdict,
+};
+pub use vector::{ReadView, Vector, WriteView};

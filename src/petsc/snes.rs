@@ -1,0 +1,318 @@
+//! Newton's method: PETSc's SNES with the callbacks of a [`NonlinearSystem`].
+
+#![allow(unsafe_code)]
+
+mod callbacks;
+mod report;
+
+pub use report::{SnesReason, SolveReport};
+
+use super::error::{c_string, check, forget};
+use super::linear::{Ksp, KspSetup};
+use super::{Matrix, Petsc, Vector, ffi};
+use crate::error::{Error, Result};
+use callbacks::{Context, UserSet};
+use std::ffi::c_void;
+use std::ptr;
+
+/// Whether a call of [`NonlinearSystem::tangent`] changed the matrix.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TangentChange {
+    /// No: the preconditioner and the factors are kept.
+    Unchanged,
+    /// Yes: the preconditioner is built again.
+    Changed,
+    /// Yes, but so little that the old preconditioner serves an iterative solver.
+    ChangedKeepPreconditioner,
+}
+
+/// What the test of convergence says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// Another correction.
+    Continue,
+    /// The state is the solution.
+    Converged,
+    /// There is no hope.
+    Diverged,
+}
+
+/// Tolerances of a linear solve, on the 2-norm of the true residual.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinearTolerance {
+    /// Times the norm of the right-hand side; from 0 to below 1.
+    pub relative: f64,
+    /// In the unit of the residual.
+    pub absolute: f64,
+}
+
+/// A system f(x) = 0 with a sparse symmetric tangent. All methods are called collectively; slices
+/// hold the entries that this rank owns.
+///
+/// An `Err` has to be agreed on: either every rank returns it or none (see
+/// [`crate::comm::Comm::agree`]).
+pub trait NonlinearSystem {
+    /// Writes the residual of the state `x` into `f`.
+    fn residual(&mut self, x: &[f64], f: &mut [f64]) -> Result<()>;
+
+    /// Writes the tangent at `x` into the matrix; once for each correction, before its linear
+    /// solve.
+    fn tangent(&mut self, x: &[f64], matrix: &mut Matrix) -> Result<TangentChange>;
+
+    /// Turns the correction that the linear solve returned into the direction d of the unknowns:
+    /// x becomes x - d (times the step length of the line search).
+    fn direction(&mut self, x: &[f64], correction: &mut [f64]) -> Result<()>;
+
+    /// Judges the state after each correction, and before the first (iteration 0); `norm` is the
+    /// 2-norm of `f`.
+    fn verdict(&mut self, iteration: usize, x: &[f64], f: &[f64], norm: f64) -> Result<Verdict>;
+
+    /// The tolerances of the linear solve that follows iteration `iteration`, whose residual has
+    /// the given norm.
+    fn linear_tolerance(&mut self, iteration: usize, norm: f64) -> LinearTolerance;
+}
+
+/// Newton's method with full steps; options of PETSc choose another line search, monitors and the
+/// linear solver.
+pub struct Snes {
+    /// A valid solver until drop.
+    raw: ffi::SNES,
+    matrix: Matrix,
+    residual: Vector,
+    ksp: Ksp,
+    /// Names of the options that this solver's set-up put into the database.
+    defaults: Vec<String>,
+    user: UserSet,
+    /// Whether the last linear solve failed.
+    failed: bool,
+    petsc: Petsc,
+}
+
+impl Snes {
+    /// A solver for systems whose tangent fits `matrix`, with the options of the user under
+    /// `prefix` and those of `setup` where the user has none. Collective.
+    ///
+    /// The linear solver measures the unpreconditioned residual unless options say otherwise.
+    ///
+    /// # Errors
+    /// `System` when an option has a wrong value or PETSc fails.
+    pub fn new(petsc: &Petsc, prefix: &str, matrix: Matrix, setup: &KspSetup) -> Result<Self> {
+        let mut raw = ptr::null_mut();
+        // SAFETY: PETSc is initialised and the communicator is alive.
+        check(unsafe { ffi::SNESCreate(petsc.comm().raw(), &mut raw) }, "SNESCreate")?;
+        let residual = Vector::new(matrix.petsc(), matrix.owned_rows(), matrix.block_size());
+        // SAFETY: a valid solver, which the struct below owns together with what is returned.
+        let ksp = unsafe { Ksp::of(raw) };
+        let (residual, ksp) = match (residual, ksp) {
+            (Ok(residual), Ok(ksp)) => (residual, ksp),
+            (Err(error), _) | (_, Err(error)) => {
+                // SAFETY: a valid solver, destroyed once.
+                unsafe { ffi::SNESDestroy(&mut raw) };
+                return Err(error);
+            }
+        };
+        let defaults = Vec::new();
+        let petsc = petsc.clone();
+        let user = UserSet::default();
+        let mut snes = Snes { raw, matrix, residual, ksp, defaults, user, failed: false, petsc };
+        snes.configure(prefix, setup)?;
+        Ok(snes)
+    }
+
+    fn configure(&mut self, prefix: &str, setup: &KspSetup) -> Result<()> {
+        let norm = ("ksp_norm_type".to_string(), "unpreconditioned".to_string());
+        for (name, value) in setup.options.iter().chain([&norm]) {
+            let name = format!("{prefix}{name}");
+            if self.petsc.set_default(&name, value)? {
+                self.defaults.push(name);
+            }
+        }
+        let fixed = |name: &str| -> Result<bool> {
+            let name = format!("{prefix}{name}");
+            Ok(!self.defaults.contains(&name) && self.petsc.has_option(&name)?)
+        };
+        self.user = UserSet {
+            relative: fixed("ksp_rtol")?,
+            absolute: fixed("ksp_atol")?,
+            preconditioner: fixed("snes_lag_preconditioner")?,
+        };
+
+        let raw = self.raw;
+        let prefix = c_string(prefix)?;
+        // SAFETY: a valid solver; PETSc copies the prefix.
+        let code = unsafe { ffi::SNESSetOptionsPrefix(raw, prefix.as_ptr()) };
+        check(code, "SNESSetOptionsPrefix")?;
+        // SAFETY: a valid solver and the name of a type.
+        check(unsafe { ffi::SNESSetType(raw, c"newtonls".as_ptr()) }, "SNESSetType")?;
+        let mut search = ptr::null_mut();
+        // SAFETY: a valid solver.
+        check(unsafe { ffi::SNESGetLineSearch(raw, &mut search) }, "SNESGetLineSearch")?;
+        // SAFETY: the line search of a valid solver and the name of a type.
+        let code = unsafe { ffi::SNESLineSearchSetType(search, c"basic".as_ptr()) };
+        check(code, "SNESLineSearchSetType")?;
+        // The verdict decides; the numbers of corrections and evaluations are not bounded here.
+        // SAFETY: a valid solver.
+        let code = unsafe { ffi::SNESSetTolerances(raw, 0.0, 0.0, 0.0, 10_000, -1) };
+        check(code, "SNESSetTolerances")?;
+        let matrix = self.matrix.raw();
+        // SAFETY: a valid solver and matrix; `solve` sets the function before it is called.
+        let code = unsafe { ffi::SNESSetJacobian(raw, matrix, matrix, None, ptr::null_mut()) };
+        check(code, "SNESSetJacobian")?;
+        // SAFETY: a valid solver.
+        check(unsafe { ffi::SNESSetFromOptions(raw) }, "SNESSetFromOptions")
+    }
+
+    /// The matrix of the tangent. Local.
+    pub fn matrix(&self) -> &Matrix {
+        &self.matrix
+    }
+
+    /// The matrix of the tangent, for its first assembly and its near null space. Local.
+    pub fn matrix_mut(&mut self) -> &mut Matrix {
+        &mut self.matrix
+    }
+
+    /// Solves f(x) = 0 from the start `x`, which becomes the last state. Collective.
+    ///
+    /// A solve that does not converge is no `Err`: the report says why.
+    ///
+    /// # Errors
+    /// That of the callback which failed, unchanged, with `x` at the last accepted state; `Bug`
+    /// when `x` does not fit; `System` when PETSc fails.
+    pub fn solve<S: NonlinearSystem>(
+        &mut self,
+        system: &mut S,
+        x: &mut Vector,
+    ) -> Result<SolveReport> {
+        if x.owned() != self.matrix.owned_rows() {
+            return Err(Error::Bug(format!(
+                "a start of {} entries for {} unknowns",
+                x.owned(),
+                self.matrix.owned_rows()
+            )));
+        }
+        if self.failed {
+            // MUMPS refuses to use a factor again after a failure.
+            self.ksp.reset()?;
+            self.failed = false;
+        }
+        let mut context = Context::new(system, &mut self.matrix, self.ksp, self.user);
+        let address = (&raw mut context).cast::<c_void>();
+        // SAFETY: the context lives until `uninstall`, and only callbacks use it meanwhile.
+        let installed = unsafe { install::<S>(self.raw, &self.residual, address) };
+        let code = match &installed {
+            // SAFETY: a valid solver with its callbacks set; no right-hand side.
+            Ok(()) => unsafe { ffi::SNESSolve(self.raw, ptr::null_mut(), x.raw()) },
+            Err(_) => 0,
+        };
+        // SAFETY: as above; a callback without a context does nothing but fail.
+        let uninstalled = unsafe { install::<S>(self.raw, &self.residual, ptr::null_mut()) };
+        let Context { error, stopped, .. } = context;
+        if let Some(error) = error {
+            // PETSc's own account of it says only that a callback failed.
+            forget();
+            return Err(error);
+        }
+        installed?;
+        check(code, "SNESSolve")?;
+        uninstalled?;
+        self.report(stopped)
+    }
+
+    fn report(&mut self, stopped: bool) -> Result<SolveReport> {
+        let (mut code, mut iterations, mut linear) = (0, 0, 0);
+        // SAFETY: a valid solver.
+        let status = unsafe { ffi::SNESGetConvergedReason(self.raw, &mut code) };
+        check(status, "SNESGetConvergedReason")?;
+        // SAFETY: as above.
+        let status = unsafe { ffi::SNESGetIterationNumber(self.raw, &mut iterations) };
+        check(status, "SNESGetIterationNumber")?;
+        // SAFETY: as above.
+        let status = unsafe { ffi::SNESGetLinearSolveIterations(self.raw, &mut linear) };
+        check(status, "SNESGetLinearSolveIterations")?;
+        let reason = SnesReason::from_code(code, stopped);
+        let failing_linear =
+            if reason == SnesReason::LinearSolve { self.ksp.failure()? } else { None };
+        self.failed = failing_linear.is_some();
+        Ok(SolveReport {
+            reason,
+            iterations: usize::try_from(iterations).unwrap_or(0),
+            linear_iterations: usize::try_from(linear).unwrap_or(0),
+            failing_linear,
+        })
+    }
+
+    /// Iterations of the last linear solve. Local.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn last_linear_iterations(&self) -> Result<usize> {
+        self.ksp.iterations()
+    }
+
+    /// The type of the linear solver, as PETSc names it (`cg`, `preonly`). Local.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn ksp_type(&self) -> Result<String> {
+        self.ksp.type_name()
+    }
+
+    /// The type of the preconditioner, as PETSc names it (`cholesky`, `gamg`). Local.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn pc_type(&self) -> Result<String> {
+        self.ksp.pc_type_name()
+    }
+
+    /// `INFOG(i)` of MUMPS (from 1); `None` when there is no factor by MUMPS. Local.
+    pub fn mumps_infog(&self, i: i32) -> Option<i32> {
+        self.ksp.mumps_infog(i).ok().flatten()
+    }
+}
+
+impl Drop for Snes {
+    fn drop(&mut self) {
+        for name in &self.defaults {
+            // A failure leaves an option behind, which is no reason to stop.
+            let _ = self.petsc.clear_default(name);
+        }
+        if !std::thread::panicking() {
+            // SAFETY: a valid solver, destroyed once; it holds references to matrix and vector.
+            unsafe { ffi::SNESDestroy(&mut self.raw) };
+        }
+    }
+}
+
+/// Sets the callbacks and their context.
+///
+/// # Safety
+/// `snes` is valid; `context` is null or a `Context<S>` that outlives every use of the solver
+/// before the next call of this function.
+unsafe fn install<S: NonlinearSystem>(
+    snes: ffi::SNES,
+    residual: &Vector,
+    context: *mut c_void,
+) -> Result<()> {
+    let f = residual.raw();
+    // SAFETY: valid objects and context by the contract.
+    let code = unsafe { ffi::SNESSetFunction(snes, f, Some(callbacks::residual::<S>), context) };
+    check(code, "SNESSetFunction")?;
+    let none = ptr::null_mut();
+    // SAFETY: as above; null matrices keep those that are set.
+    let code =
+        unsafe { ffi::SNESSetJacobian(snes, none, none, Some(callbacks::tangent::<S>), context) };
+    check(code, "SNESSetJacobian")?;
+    // SAFETY: as above; the context is not PETSc's to free.
+    let code =
+        unsafe { ffi::SNESSetConvergenceTest(snes, Some(callbacks::verdict::<S>), context, None) };
+    check(code, "SNESSetConvergenceTest")?;
+    let mut search = ptr::null_mut();
+    // SAFETY: a valid solver.
+    check(unsafe { ffi::SNESGetLineSearch(snes, &mut search) }, "SNESGetLineSearch")?;
+    // SAFETY: the line search of a valid solver, the context as above.
+    let code =
+        unsafe { ffi::SNESLineSearchSetPreCheck(search, Some(callbacks::direction::<S>), context) };
+    check(code, "SNESLineSearchSetPreCheck")
+}

@@ -1,0 +1,186 @@
+//! What PETSc calls during a solve, and how it reaches the system.
+//!
+//! The functions are `extern "C"`: a panic in one aborts the process instead of unwinding through
+//! C, after the panic hook has told why and ended the job. An error is kept in the context and
+//! answered with a code of PETSc, which makes `SNESSolve` return; since the ranks agree on errors,
+//! it returns on all of them.
+
+#![allow(unsafe_code)]
+
+use super::{NonlinearSystem, TangentChange, Verdict};
+use crate::error::{Error, Result};
+use crate::petsc::error::check;
+use crate::petsc::linear::Ksp;
+use crate::petsc::{Matrix, ReadView, WriteView, ffi};
+use std::ffi::c_void;
+use std::ptr;
+
+/// What the user's options fix and the system therefore does not change.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct UserSet {
+    /// The relative tolerance of the linear solves.
+    pub(super) relative: bool,
+    /// The absolute tolerance of the linear solves.
+    pub(super) absolute: bool,
+    /// When the preconditioner is built again.
+    pub(super) preconditioner: bool,
+}
+
+/// What the callbacks of one solve share.
+pub(super) struct Context<'a, S> {
+    system: &'a mut S,
+    matrix: &'a mut Matrix,
+    ksp: Ksp,
+    user: UserSet,
+    /// Number and residual norm of the state that was judged last.
+    judged: (usize, f64),
+    /// The error of the callback that failed.
+    pub(super) error: Option<Error>,
+    /// Whether the verdict was `Diverged`.
+    pub(super) stopped: bool,
+}
+
+impl<'a, S> Context<'a, S> {
+    pub(super) fn new(system: &'a mut S, matrix: &'a mut Matrix, ksp: Ksp, user: UserSet) -> Self {
+        let judged = (0, 0.0);
+        Context { system, matrix, ksp, user, judged, error: None, stopped: false }
+    }
+}
+
+/// Runs a callback's work and turns its error into a code.
+///
+/// # Safety
+/// `context` is null or the `Context<S>` of the running solve, to which nothing else refers.
+unsafe fn run<S>(
+    context: *mut c_void,
+    work: impl FnOnce(&mut Context<'_, S>) -> Result<()>,
+) -> ffi::PetscErrorCode {
+    let failed = ffi::PETSC_ERR_USER as ffi::PetscErrorCode;
+    // SAFETY: by the contract.
+    let Some(context) = (unsafe { context.cast::<Context<'_, S>>().as_mut() }) else {
+        return failed;
+    };
+    match work(context) {
+        Ok(()) => 0,
+        Err(error) => {
+            context.error = Some(error);
+            failed
+        }
+    }
+}
+
+/// f(x). Collective.
+///
+/// # Safety
+/// To be called by PETSc only, with two vectors of the solve and the context that was installed.
+pub(super) unsafe extern "C" fn residual<S: NonlinearSystem>(
+    _snes: ffi::SNES,
+    x: ffi::Vec,
+    f: ffi::Vec,
+    context: *mut c_void,
+) -> ffi::PetscErrorCode {
+    let work = |context: &mut Context<'_, S>| {
+        // SAFETY: PETSc lends two different valid vectors for the length of the call.
+        let (x, mut f) = (unsafe { ReadView::new(x) }?, unsafe { WriteView::new(f) }?);
+        context.system.residual(&x, &mut f)
+    };
+    // SAFETY: the context that was installed; callbacks do not nest.
+    unsafe { run::<S>(context, work) }
+}
+
+/// The tangent at x, then the tolerances and the preconditioner of the linear solve. Collective.
+///
+/// # Safety
+/// As [`residual`]; the matrix is that of the context.
+pub(super) unsafe extern "C" fn tangent<S: NonlinearSystem>(
+    snes: ffi::SNES,
+    x: ffi::Vec,
+    _matrix: ffi::Mat,
+    _preconditioner: ffi::Mat,
+    context: *mut c_void,
+) -> ffi::PetscErrorCode {
+    let work = |context: &mut Context<'_, S>| {
+        // SAFETY: PETSc lends a valid vector for the length of the call.
+        let x = unsafe { ReadView::new(x) }?;
+        let change = context.system.tangent(&x, context.matrix)?;
+        if !context.user.preconditioner {
+            // SNES decides on the preconditioner after this call, by its lag: 1 builds it again
+            // each time, -1 never.
+            let lag = if change == TangentChange::Changed { 1 } else { -1 };
+            // SAFETY: the solver that calls.
+            let code = unsafe { ffi::SNESSetLagPreconditioner(snes, lag) };
+            check(code, "SNESSetLagPreconditioner")?;
+        }
+        let (iteration, norm) = context.judged;
+        let tolerance = context.system.linear_tolerance(iteration, norm);
+        context.ksp.set_tolerances(
+            (!context.user.relative).then_some(tolerance.relative),
+            (!context.user.absolute).then_some(tolerance.absolute),
+        )
+    };
+    // SAFETY: as in `residual`.
+    unsafe { run::<S>(context, work) }
+}
+
+/// Turns a correction into a direction. Collective.
+///
+/// # Safety
+/// As [`residual`]; `changed` is a valid place for the answer.
+pub(super) unsafe extern "C" fn direction<S: NonlinearSystem>(
+    _search: ffi::SNESLineSearch,
+    x: ffi::Vec,
+    correction: ffi::Vec,
+    changed: *mut ffi::PetscBool,
+    context: *mut c_void,
+) -> ffi::PetscErrorCode {
+    let work = |context: &mut Context<'_, S>| {
+        // SAFETY: PETSc lends two different valid vectors for the length of the call.
+        let (x, mut y) = (unsafe { ReadView::new(x) }?, unsafe { WriteView::new(correction) }?);
+        context.system.direction(&x, &mut y)?;
+        // SAFETY: a valid place by the contract.
+        unsafe { *changed = ffi::PETSC_TRUE };
+        Ok(())
+    };
+    // SAFETY: as in `residual`.
+    unsafe { run::<S>(context, work) }
+}
+
+/// Judges a state. Collective.
+///
+/// # Safety
+/// As [`residual`]; `reason` is a valid place for the answer.
+pub(super) unsafe extern "C" fn verdict<S: NonlinearSystem>(
+    snes: ffi::SNES,
+    iteration: ffi::PetscInt,
+    _x_norm: f64,
+    _step_norm: f64,
+    norm: f64,
+    reason: *mut ffi::SNESConvergedReason,
+    context: *mut c_void,
+) -> ffi::PetscErrorCode {
+    let work = |context: &mut Context<'_, S>| {
+        let (mut x, mut f) = (ptr::null_mut(), ptr::null_mut());
+        // SAFETY: the solver that calls.
+        check(unsafe { ffi::SNESGetSolution(snes, &mut x) }, "SNESGetSolution")?;
+        let (no_function, no_context) = (ptr::null_mut(), ptr::null_mut());
+        // SAFETY: as above; function and context are not asked for.
+        let code = unsafe { ffi::SNESGetFunction(snes, &mut f, no_function, no_context) };
+        check(code, "SNESGetFunction")?;
+        // SAFETY: two valid vectors of the solver, which writes to neither during the call.
+        let (x, f) = (unsafe { ReadView::new(x) }?, unsafe { ReadView::new(f) }?);
+        let iteration = usize::try_from(iteration).unwrap_or(0);
+        context.judged = (iteration, norm);
+        let verdict = context.system.verdict(iteration, &x, &f, norm)?;
+        context.stopped = verdict == Verdict::Diverged;
+        let answer = match verdict {
+            Verdict::Continue => ffi::SNES_CONVERGED_ITERATING,
+            Verdict::Converged => ffi::SNES_CONVERGED_FNORM_ABS,
+            Verdict::Diverged => ffi::SNES_DIVERGED_DTOL,
+        };
+        // SAFETY: a valid place by the contract.
+        unsafe { *reason = answer };
+        Ok(())
+    };
+    // SAFETY: as in `residual`.
+    unsafe { run::<S>(context, work) }
+}

@@ -1,0 +1,121 @@
+//! Start and end of the process: environment, MPI, PETSc, panics.
+
+#![allow(unsafe_code)]
+
+use crate::comm::Comm;
+use crate::error::{Error, Result};
+use crate::petsc::Petsc;
+use mpi::topology::SimpleCommunicator;
+use mpi::traits::Communicator;
+use std::ffi::{c_char, c_int, c_void};
+use std::io::Write;
+use std::{env, panic, process, ptr};
+
+/// Exit status of a run that ends by a panic.
+const PANIC: u8 = 101;
+
+/// MPI and PETSc, started. The fields are dropped in their order: PETSc ends before MPI.
+///
+/// Vectors, matrices and communicators keep what they need alive, so the order in which a program
+/// drops them does not matter; that all ranks drop them in the same order does.
+pub struct Runtime {
+    /// PETSc.
+    pub petsc: Petsc,
+    /// All ranks; the last of the communicators to go finalises MPI.
+    pub comm: Comm,
+}
+
+impl Runtime {
+    /// Starts MPI, then PETSc with the options of the command line. Collective, once in a process,
+    /// and before the process has a second thread.
+    ///
+    /// From here on a panic on any rank ends the whole job with status 101.
+    ///
+    /// # Errors
+    /// `System` when MPI or PETSc does not start, `Input` when `options` are no options.
+    pub fn start(options: &[String]) -> Result<Self> {
+        choose_file_writer();
+        let universe = mpi::initialize()
+            .ok_or_else(|| Error::System("MPI has been started before in this process".into()))?;
+        abort_on_panic();
+        let comm = Comm::world(universe);
+        if comm.size() > 1 {
+            use_one_blas_thread();
+        }
+        let petsc = comm.agree(Petsc::start(&comm, options))?;
+        Ok(Runtime { petsc, comm })
+    }
+
+    /// Ends PETSc and MPI, then the process. Collective; nothing that holds PETSc or a
+    /// communicator may be left.
+    pub fn exit(self, status: u8) -> ! {
+        drop(self);
+        process::exit(status.into())
+    }
+}
+
+/// Ends the whole job from one rank, with one message on standard error. Local.
+///
+/// For what cannot be agreed on, such as an error in the middle of a collective call of a library.
+/// A status of 0 becomes 101, since the job did not succeed.
+pub fn abort(status: u8, text: &str) -> ! {
+    let status = if status == 0 { PANIC } else { status };
+    let up = mpi::environment::is_initialized() && !mpi::environment::is_finalized();
+    let rank = if up { SimpleCommunicator::world().rank() } else { 0 };
+    // In one write: lines of several ranks do not mix.
+    let _ = std::io::stderr().write_all(format!("[rank {rank}] {text}\n").as_bytes());
+    if up {
+        SimpleCommunicator::world().abort(status.into());
+    }
+    process::exit(status.into())
+}
+
+/// Makes a panic end the job at once: unwinding would run collective drops that wait for the other
+/// ranks.
+fn abort_on_panic() {
+    panic::set_hook(Box::new(|info| {
+        let trace = std::backtrace::Backtrace::capture();
+        let trace = match trace.status() {
+            std::backtrace::BacktraceStatus::Captured => format!("\n{trace}"),
+            _ => String::new(),
+        };
+        abort(
+            PANIC,
+            &format!(
+                "{info}\nThis is a bug in column-hpc: please report it with the case file.{trace}"
+            ),
+        )
+    }));
+}
+
+/// Open MPI 4's default way to write files collectively (`vulcan`) can lose data under HDF5
+/// (open-mpi/ompi issue 12718); another is chosen unless the user has.
+fn choose_file_writer() {
+    let name = "OMPI_MCA_fcoll";
+    if env::var_os(name).is_none() {
+        // SAFETY: called before MPI starts, while the process has one thread.
+        unsafe { env::set_var(name, "dynamic_gen2") };
+    }
+}
+
+unsafe extern "C" {
+    fn dlsym(handle: *mut c_void, symbol: *const c_char) -> *mut c_void;
+}
+
+/// Several ranks with a thread per core each would fight for the cores: OpenBLAS, if that is the
+/// BLAS, gets one thread unless the environment says otherwise.
+fn use_one_blas_thread() {
+    let chosen = ["OPENBLAS_NUM_THREADS", "GOTO_NUM_THREADS", "OMP_NUM_THREADS"];
+    if chosen.iter().any(|name| env::var_os(name).is_some()) {
+        return;
+    }
+    // SAFETY: the null handle looks the name up in the libraries that are loaded.
+    let found = unsafe { dlsym(ptr::null_mut(), c"openblas_set_num_threads".as_ptr()) };
+    if found.is_null() {
+        return;
+    }
+    // SAFETY: the function of that name in OpenBLAS: `void openblas_set_num_threads(int)`.
+    let set: extern "C" fn(c_int) =
+        unsafe { std::mem::transmute::<*mut c_void, extern "C" fn(c_int)>(found) };
+    set(1);
+}

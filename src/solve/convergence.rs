@@ -1,0 +1,200 @@
+//! When a state is a solution, and why it is not.
+
+use super::interfaces::InterfaceState;
+use crate::assembly::Discretization;
+use crate::comm::Comm;
+use crate::error::Result;
+use crate::mesh::Column;
+use crate::partition::mix;
+use crate::petsc::Verdict;
+
+/// Longest period of a branch cycle that is recognised.
+const LONGEST_CYCLE: usize = 4;
+
+/// The largest of some nodal values, and where it is.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Worst {
+    value: f64,
+    node: u64,
+    not_a_number: bool,
+}
+
+impl Worst {
+    /// Takes a value into account.
+    pub fn see(&mut self, value: f64, node: u64) {
+        if !value.is_finite() && !self.not_a_number {
+            *self = Self { value: f64::INFINITY, node, not_a_number: true };
+        } else if value > self.value {
+            (self.value, self.node) = (value, node);
+        }
+    }
+
+    /// The largest over all ranks (the lowest rank's if several are equal). Collective.
+    fn over_ranks(self, comm: &Comm) -> Self {
+        let mine = [self.value.to_bits(), self.node, u64::from(self.not_a_number)];
+        let all = comm.exchange(&vec![mine.to_vec(); comm.size() as usize]);
+        let read = |w: &Vec<u64>| Self {
+            value: f64::from_bits(w[0]),
+            node: w[1],
+            not_a_number: w[2] != 0,
+        };
+        all.iter().map(read).reduce(|a, b| if b.value > a.value { b } else { a }).unwrap_or(self)
+    }
+}
+
+/// Convergence test: field by field, with scales that do not vanish when every force does.
+pub struct Convergence {
+    tolerance: f64,
+    max_newton: usize,
+    column: Column,
+    interface_names: Vec<String>,
+    /// Largest nodal force scale (N) and displacement (m) of the accepted states.
+    accepted: [f64; 2],
+    /// The same of the last evaluated state, on this rank.
+    current: [f64; 2],
+    signatures: Vec<u64>,
+    /// Why the last solve failed, in words; the same on all ranks.
+    pub failure: Option<String>,
+}
+
+impl Convergence {
+    /// `tolerance` relative, `max_newton` corrections at most.
+    pub fn new(
+        tolerance: f64,
+        max_newton: usize,
+        column: &Column,
+        interface_names: Vec<String>,
+    ) -> Self {
+        Self {
+            tolerance,
+            max_newton,
+            column: column.clone(),
+            interface_names,
+            accepted: [0.0; 2],
+            current: [0.0; 2],
+            signatures: Vec::new(),
+            failure: None,
+        }
+    }
+
+    /// Takes note of the forces and displacements of a state. Local.
+    pub fn see_forces(&mut self, magnitude: &[f64], displacement: &[f64]) {
+        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        self.current = [largest(magnitude), largest(displacement)];
+    }
+
+    /// Largest nodal force scale of the accepted states (N); 0 before the first.
+    pub fn accepted_force(&self) -> f64 {
+        self.accepted[0]
+    }
+
+    /// Starts a step.
+    pub fn start(&mut self) {
+        self.signatures.clear();
+        self.failure = None;
+    }
+
+    /// Makes the scales of the last evaluated state those of an accepted one. Collective.
+    pub fn accept(&mut self, comm: &Comm) {
+        let mut current = self.current;
+        comm.max(&mut current);
+        for (accepted, current) in self.accepted.iter_mut().zip(current) {
+            *accepted = accepted.max(current);
+        }
+    }
+
+    /// The verdict on a state: `worst` is the largest out-of-balance nodal force (N). Collective.
+    pub fn judge(
+        &mut self,
+        comm: &Comm,
+        all: &Discretization,
+        interfaces: &InterfaceState,
+        iteration: usize,
+        norm: f64,
+        worst: Worst,
+    ) -> Result<Verdict> {
+        let mut scales = self.current;
+        comm.max(&mut scales);
+        let force_scale = scales[0].max(self.accepted[0]);
+        let displacement_scale = scales[1].max(self.accepted[1]);
+        let mut defect = vec![Worst::default(); interfaces.laws.len()];
+        let mut signature = 0u64;
+        for (rows, response) in all.secondary.iter().zip(&interfaces.response) {
+            let name = all.nodes.names[rows.node as usize];
+            let scale =
+                interfaces.laws[rows.interface].spec.law().jump_scale().unwrap_or(displacement_scale);
+            let square: f64 = response.defect.iter().map(|d| d * d).sum();
+            let relative = if square == 0.0 { 0.0 } else { square.sqrt() / scale };
+            defect[rows.interface].see(relative, name);
+            signature = signature.wrapping_add(mix(mix(name) ^ response.branch as u64));
+        }
+        let worst = worst.over_ranks(comm);
+        let defect: Vec<Worst> = defect.into_iter().map(|d| d.over_ranks(comm)).collect();
+        if worst.not_a_number || !norm.is_finite() || defect.iter().any(|d| d.not_a_number) {
+            let first = defect.iter().find(|d| d.not_a_number).copied().unwrap_or(worst);
+            self.failure =
+                Some(format!("a force is not a number {}", self.at(first.node)));
+            return Ok(Verdict::Diverged);
+        }
+        let out_of_balance = if worst.value == 0.0 { 0.0 } else { worst.value / force_scale };
+        let largest = defect.iter().map(|d| d.value).fold(0.0, f64::max);
+        tracing::debug!(
+            target: "newton",
+            "  correction {iteration:3}  out of balance {out_of_balance:9.3e}  jumps {largest:9.3e}"
+        );
+        if out_of_balance <= self.tolerance && largest <= self.tolerance {
+            return Ok(Verdict::Converged);
+        }
+        let signature = comm.sum_u64(signature);
+        if let Some(period) = self.cycle(signature) {
+            self.failure = Some(format!(
+                "Newton's method cycles between {period} states of the interfaces \
+                 ({iteration} corrections, out of balance {out_of_balance:.1e}); \
+                 smaller steps or a larger augmentation may help"
+            ));
+            return Ok(Verdict::Diverged);
+        }
+        if iteration >= self.max_newton {
+            let (place, what) = self.worst_place(worst, &defect, out_of_balance);
+            self.failure = Some(format!(
+                "no convergence in {iteration} corrections (solver.max_newton): {what} {place}; \
+                 tolerance {:.1e}",
+                self.tolerance
+            ));
+            return Ok(Verdict::Diverged);
+        }
+        Ok(Verdict::Continue)
+    }
+
+    /// The largest contribution in words, and where it is.
+    fn worst_place(&self, worst: Worst, defect: &[Worst], force: f64) -> (String, String) {
+        let (index, jump) = defect
+            .iter()
+            .enumerate()
+            .max_by(|a, b| a.1.value.total_cmp(&b.1.value))
+            .map_or((0, Worst::default()), |(i, d)| (i, *d));
+        if jump.value > force {
+            let name = &self.interface_names[index];
+            let what = format!("the jump of interface {name} is off by {:.1e}", jump.value);
+            (self.at(jump.node), what)
+        } else {
+            (self.at(worst.node), format!("the largest out-of-balance force is {force:.1e}"))
+        }
+    }
+
+    fn at(&self, node: u64) -> String {
+        let [x, y, z] = self.column.point(node);
+        format!("at ({x}, {y}, {z}) m")
+    }
+
+    /// The period, if the last states of the branches repeat twice.
+    fn cycle(&mut self, signature: u64) -> Option<usize> {
+        self.signatures.push(signature);
+        let s = &self.signatures;
+        (2..=LONGEST_CYCLE).find(|period| {
+            s.len() > 2 * period
+                && (0..=*period).all(|i| s[s.len() - 1 - i] == s[s.len() - 1 - i - period])
+                && s[s.len() - 1] != s[s.len() - 2]
+        })
+    }
+}

@@ -1,0 +1,145 @@
+//! The state of the secondary nodes: tractions, jumps, branches and history.
+
+use crate::assembly::{Discretization, NodeState};
+use crate::interface::JumpRows;
+use crate::law::{Branch, LawSpec, Response};
+
+/// What the law of one secondary node answers, by displacement component.
+#[derive(Debug, Clone, Copy)]
+pub struct NodeResponse {
+    /// Traction that the bulk transmits (Pa); 0 where the component has no multiplier.
+    pub bulk_traction: [f64; 3],
+    /// Jump of the displacement (m).
+    pub jump: [f64; 3],
+    /// Jump that differs from the one the law asks for (m): zero at the solution.
+    pub defect: [f64; 3],
+    /// Traction with which the linearised law goes on from here (Pa).
+    pub law_traction: [f64; 3],
+    /// What the tangent needs.
+    pub state: NodeState,
+    /// The regime.
+    pub branch: Branch,
+    /// Largest equivalent jump including this state (m).
+    pub history: f64,
+}
+
+/// One interface's law with its augmentation.
+pub struct JointLaw {
+    /// The law.
+    pub spec: LawSpec,
+    /// Augmentation r (Pa/m).
+    pub augmentation: f64,
+}
+
+/// State of the secondary nodes that this rank owns, in the order of `Discretization::secondary`.
+pub struct InterfaceState {
+    dim: usize,
+    /// The law of each interface.
+    pub laws: Vec<JointLaw>,
+    /// Largest equivalent jump at the last accepted state (m).
+    pub committed: Vec<f64>,
+    /// The answers at the last evaluated state.
+    pub response: Vec<NodeResponse>,
+}
+
+impl InterfaceState {
+    /// The undamaged, unloaded state of `owned` nodes.
+    pub fn new(dim: usize, laws: Vec<JointLaw>, owned: usize) -> Self {
+        let rest = NodeResponse {
+            bulk_traction: [0.0; 3],
+            jump: [0.0; 3],
+            defect: [0.0; 3],
+            law_traction: [0.0; 3],
+            state: NodeState::STUCK,
+            branch: Branch::Stick,
+            history: 0.0,
+        };
+        Self { dim, laws, committed: vec![0.0; owned], response: vec![rest; owned] }
+    }
+
+    /// Evaluates the laws: `u` and the out-of-balance force of the bulk, `dim` numbers per local
+    /// node (`force` complete at owned nodes). Local.
+    pub fn evaluate(&mut self, all: &Discretization, u: &[f64], force: &[f64]) {
+        let dim = self.dim;
+        for index in 0..self.response.len() {
+            let rows = &all.secondary[index];
+            let law = &self.laws[rows.interface];
+            let (mut traction, mut jump) = ([0.0; 3], [0.0; 3]);
+            for c in 0..dim {
+                if let Some(row) = &rows.rows[c] {
+                    let at = |node: u32| u[node as usize * dim + c];
+                    traction[c] = -force[rows.node as usize * dim + c] / (row.weight * row.own);
+                    jump[c] = row.own * at(rows.node)
+                        + row.others.iter().map(|(n, a)| a * at(*n)).sum::<f64>();
+                }
+            }
+            let p = std::array::from_fn(|c| traction[c] + law.augmentation * jump[c]);
+            let answer = law.spec.law().respond(
+                to_local(p, dim),
+                law.augmentation,
+                self.committed[index],
+                dim,
+            );
+            self.response[index] =
+                combine(rows, traction, jump, &answer, law.augmentation, dim);
+        }
+    }
+
+    /// Makes the last evaluated state the accepted one.
+    pub fn commit(&mut self) {
+        for (committed, response) in self.committed.iter_mut().zip(&self.response) {
+            *committed = response.history;
+        }
+    }
+}
+
+/// Puts the law's answer into displacement components; components without a multiplier take no
+/// part.
+fn combine(
+    rows: &JumpRows<u32>,
+    traction: [f64; 3],
+    jump: [f64; 3],
+    answer: &Response,
+    augmentation: f64,
+    dim: usize,
+) -> NodeResponse {
+    let (mut defect, mut law_traction) = ([0.0; 3], [0.0; 3]);
+    let mut state = NodeState { stuck: [false; 3], tangent: [[0.0; 3]; 3] };
+    let active = |c: usize| c < dim && rows.rows[c].is_some();
+    for c in (0..dim).filter(|c| active(*c)) {
+        let local = local_index(c, dim);
+        state.stuck[c] = answer.stuck[local];
+        defect[c] = jump[c] - answer.jump[local];
+        for d in (0..dim).filter(|d| active(*d)) {
+            state.tangent[c][d] = answer.tangent[local][local_index(d, dim)];
+        }
+    }
+    for c in (0..dim).filter(|c| active(*c)) {
+        law_traction[c] = traction[c];
+        if !state.stuck[c] {
+            // A^-1 = C + r I on the components that are not stuck.
+            let change: f64 =
+                (0..dim).filter(|d| !state.stuck[*d]).map(|d| state.tangent[c][d] * defect[d]).sum();
+            law_traction[c] += change + augmentation * defect[c];
+        }
+    }
+    NodeResponse {
+        bulk_traction: traction,
+        jump,
+        defect,
+        law_traction,
+        state,
+        branch: answer.branch,
+        history: answer.history,
+    }
+}
+
+/// Components (x, y, z; x, z in 2D) to the frame (n, t1, t2) of a horizontal interface.
+pub fn to_local(v: [f64; 3], dim: usize) -> [f64; 3] {
+    if dim == 2 { [v[1], v[0], 0.0] } else { [v[2], v[0], v[1]] }
+}
+
+/// Place of a component in the frame (n, t1, t2).
+fn local_index(component: usize, dim: usize) -> usize {
+    if component + 1 == dim { 0 } else { component + 1 }
+}

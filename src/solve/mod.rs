@@ -1,0 +1,16 @@
+//! The nonlinear solution: from one instant to the next.
+
+mod convergence;
+mod energy;
+mod interfaces;
+mod linear;
+mod problem;
+mod setup;
+mod stepping;
+
+pub use energy::Energy;
+pub use interfaces::{InterfaceState, NodeResponse};
+pub use linear::LinearChoice;
+pub use problem::Problem;
+pub use setup::{Model, build};
+pub use stepping::{Accepted, Stepper};

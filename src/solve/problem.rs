@@ -1,0 +1,227 @@
+//! The discrete problem as PETSc's SNES sees it.
+//!
+//! The unknowns of SNES are the displacements of all nodes. Residual and tangent belong to the
+//! linear system of the condensed form (docs/theory.md), whose solution becomes a direction in the
+//! displacements by [`Problem::direction`].
+
+use super::convergence::{Convergence, Worst};
+use super::interfaces::InterfaceState;
+use super::linear::LinearTarget;
+use crate::assembly::{CellSet, Discretization, NodeState, Tangent};
+use crate::bulk::Loads;
+use crate::comm::Comm;
+use crate::error::Result;
+use crate::petsc::{LinearTolerance, Matrix, NonlinearSystem, TangentChange, Verdict};
+
+/// One rank's share of the problem.
+pub struct Problem<'a> {
+    /// The communicator of all collective calls.
+    pub comm: &'a Comm,
+    /// Cells, nodes, rows.
+    pub all: Discretization,
+    /// Loads on the bulk.
+    pub loads: Loads,
+    /// Laws and history.
+    pub interfaces: InterfaceState,
+    /// When a state is a solution.
+    pub convergence: Convergence,
+    /// How far linear systems are solved.
+    pub linear: LinearTarget,
+    pub(super) tangent: Tangent,
+    /// Displacements of all local nodes at the last evaluated state (m).
+    pub displacement: Vec<f64>,
+    /// Load of this rank's cells at the target time, per local node, not summed (N).
+    pub load: Vec<f64>,
+    /// Out-of-balance force of the bulk alone at owned nodes: K u - load (N).
+    pub bulk_force: Vec<f64>,
+    /// The same with the tractions of the interfaces (N): zero where nothing is prescribed, the
+    /// reaction of the support elsewhere.
+    pub balance: Vec<f64>,
+    /// States with which the tangent was assembled, for all local secondary nodes.
+    assembled_state: Option<Vec<NodeState>>,
+}
+
+impl<'a> Problem<'a> {
+    /// A problem at rest.
+    pub fn new(
+        comm: &'a Comm,
+        all: Discretization,
+        loads: Loads,
+        interfaces: InterfaceState,
+        tangent: Tangent,
+        convergence: Convergence,
+        linear: LinearTarget,
+    ) -> Self {
+        let size = all.nodes.len() * all.dim;
+        Self {
+            comm,
+            loads,
+            interfaces,
+            convergence,
+            linear,
+            tangent,
+            displacement: vec![0.0; size],
+            load: vec![0.0; size],
+            bulk_force: vec![0.0; size],
+            balance: vec![0.0; size],
+            assembled_state: None,
+            all,
+        }
+    }
+
+    /// Sets the load to that at `time`. Collective.
+    ///
+    /// # Errors
+    /// `Input` when a formula gives no finite number.
+    pub fn set_load(&mut self, time: f64) -> Result<()> {
+        self.load.fill(0.0);
+        let (dim, nodes, load) = (self.all.dim, &self.all.nodes, &mut self.load);
+        let added = self.loads.add(time, |name, component, force| {
+            let node = nodes.local(name).expect("loads act on the rank's own cells") as usize;
+            load[node * dim + component] += force;
+        });
+        self.comm.agree(added)
+    }
+
+    /// Forces of the bulk at `u`; largest magnitude of the cells' nodal forces on any rank.
+    fn evaluate_bulk(&mut self, x: &[f64]) {
+        let (nodes, dim) = (&self.all.nodes, self.all.dim);
+        self.displacement[..x.len()].copy_from_slice(x);
+        nodes.update_ghosts(&mut self.displacement, dim);
+        self.bulk_force.iter_mut().zip(&self.load).for_each(|(f, l)| *f = -l);
+        let mut magnitude = vec![0.0; nodes.len()];
+        self.all.cells.add_forces(
+            CellSet::All,
+            &self.displacement,
+            &mut self.bulk_force,
+            Some(&mut magnitude),
+        );
+        nodes.add_to_owners(&mut self.bulk_force, dim);
+        nodes.add_to_owners(&mut magnitude, 1);
+        self.convergence.see_forces(&magnitude[..nodes.owned], &self.displacement[..x.len()]);
+    }
+
+    /// The force of jumps that are known before the linear solve: K v, where v moves the secondary
+    /// nodes so that stuck components take the jump their law asks for. Returns v and K v.
+    fn known_jumps(&self) -> (Vec<f64>, Vec<f64>) {
+        let (all, dim) = (&self.all, self.all.dim);
+        let mut v = vec![0.0; self.displacement.len()];
+        for (rows, response) in all.secondary.iter().zip(&self.interfaces.response) {
+            for c in 0..dim {
+                if let Some(row) = &rows.rows[c]
+                    && response.state.stuck[c]
+                {
+                    v[rows.node as usize * dim + c] = response.defect[c] / row.own;
+                }
+            }
+        }
+        all.nodes.update_ghosts(&mut v, dim);
+        let mut force = vec![0.0; v.len()];
+        all.cells.add_forces(CellSet::Layer, &v, &mut force, None);
+        all.nodes.add_to_owners(&mut force, dim);
+        (v, force)
+    }
+
+    /// States of all local secondary nodes, the ghosts' from their owners. Collective.
+    fn local_states(&self) -> Vec<NodeState> {
+        const WIDTH: usize = NodeState::WIDTH;
+        let mut packed = vec![0.0; self.all.nodes.len() * WIDTH];
+        for (rows, response) in self.all.secondary.iter().zip(&self.interfaces.response) {
+            packed[rows.node as usize * WIDTH..][..WIDTH].copy_from_slice(&response.state.pack());
+        }
+        self.all.nodes.update_ghosts(&mut packed, WIDTH);
+        let unpack = |r: &crate::interface::JumpRows<u32>| {
+            NodeState::unpack(&packed[r.node as usize * WIDTH..][..WIDTH])
+        };
+        self.all.secondary.iter().map(unpack).collect()
+    }
+}
+
+impl NonlinearSystem for Problem<'_> {
+    fn residual(&mut self, x: &[f64], f: &mut [f64]) -> Result<()> {
+        self.evaluate_bulk(x);
+        self.interfaces.evaluate(&self.all, &self.displacement, &self.bulk_force);
+        let (known, known_force) = self.known_jumps();
+        let (all, dim) = (&self.all, self.all.dim);
+        self.balance.fill(0.0);
+        for (rows, response) in all.secondary.iter().zip(&self.interfaces.response) {
+            for c in 0..dim {
+                let Some(row) = &rows.rows[c] else { continue };
+                let own = rows.node as usize * dim + c;
+                let mut traction = response.law_traction[c];
+                if response.state.stuck[c] {
+                    traction += known_force[own] / (row.weight * row.own);
+                }
+                self.balance[own] += row.weight * row.own * traction;
+                for (node, a) in &row.others {
+                    self.balance[*node as usize * dim + c] += row.weight * a * traction;
+                }
+            }
+        }
+        all.nodes.add_to_owners(&mut self.balance, dim);
+        for (i, value) in f.iter_mut().enumerate() {
+            self.balance[i] += self.bulk_force[i];
+            *value = self.balance[i] - known_force[i];
+        }
+        // Identity rows: nothing to do where prescribed, the known jump where stuck.
+        for node in 0..all.nodes.owned {
+            for c in (0..dim).filter(|c| all.prescribed[node][*c]) {
+                f[node * dim + c] = 0.0;
+            }
+        }
+        for (rows, response) in all.secondary.iter().zip(&self.interfaces.response) {
+            for c in (0..dim).filter(|c| rows.rows[*c].is_some() && response.state.stuck[*c]) {
+                let own = rows.node as usize * dim + c;
+                f[own] = self.tangent.diagonal * known[own];
+            }
+        }
+        Ok(())
+    }
+
+    fn tangent(&mut self, _x: &[f64], matrix: &mut Matrix) -> Result<TangentChange> {
+        let state = self.local_states();
+        if !self.comm.any(self.assembled_state.as_ref() != Some(&state)) {
+            return Ok(TangentChange::Unchanged);
+        }
+        self.tangent.assemble(&self.all, &state, matrix)?;
+        self.assembled_state = Some(state);
+        Ok(TangentChange::Changed)
+    }
+
+    fn direction(&mut self, _x: &[f64], correction: &mut [f64]) -> Result<()> {
+        let (all, dim) = (&self.all, self.all.dim);
+        let mut y = vec![0.0; self.displacement.len()];
+        y[..correction.len()].copy_from_slice(correction);
+        all.nodes.update_ghosts(&mut y, dim);
+        for (rows, response) in all.secondary.iter().zip(&self.interfaces.response) {
+            for c in 0..dim {
+                if let Some(row) = &rows.rows[c]
+                    && response.state.stuck[c]
+                {
+                    let followed: f64 =
+                        row.others.iter().map(|(n, a)| a * y[*n as usize * dim + c]).sum();
+                    correction[rows.node as usize * dim + c] -= followed / row.own;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn verdict(&mut self, iteration: usize, _x: &[f64], f: &[f64], norm: f64) -> Result<Verdict> {
+        let (all, dim) = (&self.all, self.all.dim);
+        let mut worst = Worst::default();
+        for node in 0..all.nodes.owned {
+            let index = all.secondary_of[node].map(|i| i as usize);
+            let stuck = index.map_or([false; 3], |i| self.interfaces.response[i].state.stuck);
+            // The rows of stuck components hold a displacement, which the jumps judge.
+            let force = f[node * dim..][..dim].iter().zip(stuck).filter(|(_, stuck)| !stuck);
+            let length = force.map(|(f, _)| f * f).sum::<f64>().sqrt();
+            worst.see(length, all.nodes.names[node]);
+        }
+        self.convergence.judge(self.comm, all, &self.interfaces, iteration, norm, worst)
+    }
+
+    fn linear_tolerance(&mut self, _iteration: usize, norm: f64) -> LinearTolerance {
+        self.linear.tolerance(norm, self.convergence.accepted_force())
+    }
+}

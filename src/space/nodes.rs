@@ -1,0 +1,108 @@
+//! The nodes of one rank and the exchange of their values.
+
+use super::Directory;
+use crate::comm::{Comm, Neighbours};
+use crate::error::Result;
+
+/// Local nodes, owned first (by rising name), then ghosts (by owner, then number).
+pub struct Nodes {
+    /// Name of each local node.
+    pub names: Vec<u64>,
+    /// Block number of each local node among all nodes.
+    pub numbers: Vec<i32>,
+    /// Owned nodes.
+    pub owned: usize,
+    /// Number of the first owned node.
+    pub first: i32,
+    /// Nodes of all ranks.
+    pub total: u64,
+    /// Rank that owns each ghost.
+    pub ghost_owners: Vec<usize>,
+    /// Local numbers by rising name.
+    by_name: Vec<u32>,
+    /// Owned nodes that neighbours hold as ghosts, by neighbour.
+    shared: Vec<u32>,
+    forward: Neighbours,
+    backward: Neighbours,
+}
+
+impl Nodes {
+    /// The owned nodes of the directory and the given further nodes, owned or not. Collective.
+    pub fn new(comm: &Comm, directory: &Directory<'_>, needed: &[u64]) -> Result<Self> {
+        let owned = directory.owned.len();
+        let mut others: Vec<u64> =
+            needed.iter().copied().filter(|n| directory.owned.binary_search(n).is_err()).collect();
+        others.sort_unstable();
+        others.dedup();
+        let entries = directory.look_up(&others);
+        let mut ghosts: Vec<_> = entries.iter().map(|e| (e.owner, e.number)).zip(others).collect();
+        ghosts.sort_unstable();
+
+        let mut wanted = vec![Vec::new(); comm.size() as usize];
+        for ((owner, number), _) in &ghosts {
+            wanted[*owner as usize].push(*number);
+        }
+        let asked = comm.exchange(&wanted);
+        let counts = |lists: &[Vec<i32>]| -> Vec<(i32, usize)> {
+            let counted = lists.iter().enumerate().map(|(rank, list)| (rank as i32, list.len()));
+            counted.filter(|(_, n)| *n > 0).collect()
+        };
+        let (to_send, to_receive) = (counts(&asked), counts(&wanted));
+        let first = directory.first_owned;
+        let names: Vec<u64> =
+            directory.owned.iter().copied().chain(ghosts.iter().map(|g| g.1)).collect();
+        let mut by_name: Vec<u32> = (0..names.len() as u32).collect();
+        by_name.sort_unstable_by_key(|i| names[*i as usize]);
+        Ok(Self {
+            numbers: (first..first + owned as i32).chain(ghosts.iter().map(|g| g.0.1)).collect(),
+            names,
+            owned,
+            first,
+            ghost_owners: ghosts.iter().map(|g| g.0.0 as usize).collect(),
+            total: comm.sum_u64(owned as u64),
+            by_name,
+            shared: asked.iter().flatten().map(|n| (n - first) as u32).collect(),
+            forward: Neighbours::new(comm, to_send.clone(), to_receive.clone())?,
+            backward: Neighbours::new(comm, to_receive, to_send)?,
+        })
+    }
+
+    /// Local nodes, owned and ghosts.
+    pub fn len(&self) -> usize {
+        self.names.len()
+    }
+
+    /// Whether this rank holds no node.
+    pub fn is_empty(&self) -> bool {
+        self.names.is_empty()
+    }
+
+    /// Local number of a node that this rank holds.
+    pub fn local(&self, name: u64) -> Option<u32> {
+        let at = self.by_name.binary_search_by_key(&name, |i| self.names[*i as usize]).ok()?;
+        Some(self.by_name[at])
+    }
+
+    /// Copies the owners' values to the ghosts; `values` holds `width` numbers per local node.
+    /// Collective.
+    pub fn update_ghosts(&self, values: &mut [f64], width: usize) {
+        let (owned, ghosts) = values.split_at_mut(self.owned * width);
+        let mut outgoing = Vec::with_capacity(self.shared.len() * width);
+        for node in &self.shared {
+            outgoing.extend_from_slice(&owned[*node as usize * width..][..width]);
+        }
+        self.forward.exchange_wide(width, &outgoing, ghosts);
+    }
+
+    /// Adds the ghosts' values to the owners' and clears the ghosts. Collective.
+    pub fn add_to_owners(&self, values: &mut [f64], width: usize) {
+        let (owned, ghosts) = values.split_at_mut(self.owned * width);
+        let mut incoming = vec![0.0; self.shared.len() * width];
+        self.backward.exchange_wide(width, ghosts, &mut incoming);
+        for (node, value) in self.shared.iter().zip(incoming.chunks_exact(width)) {
+            let target = &mut owned[*node as usize * width..][..width];
+            target.iter_mut().zip(value).for_each(|(t, v)| *t += v);
+        }
+        ghosts.fill(0.0);
+    }
+}

@@ -1,0 +1,223 @@
+//! Rules of the source that the compiler does not check; they read text only.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The only places that may call C or touch the process: (prefixes of) paths below `src`.
+const FENCES: [&str; 4] =
+    ["src/petsc/", "src/partition/metis.rs", "src/output/hdf5.rs", "src/runtime.rs"];
+
+/// Where the order of a loop can become the order of communication.
+const ORDERED: [&str; 4] = ["src/partition", "src/space", "src/interface", "src/assembly"];
+
+/// Directories that exist on one machine only.
+const MACHINE: [&str; 6] = ["/home/", "/root/", "/Users/", "/work/", "/tmp/", "/mnt/"];
+
+/// The home of the user inside the container image, which is the same everywhere.
+const IMAGE_HOME: &str = "/home/column";
+
+const LONGEST_FILE: usize = 400;
+
+/// A text file: its path relative to the package, and its contents.
+struct Source {
+    path: String,
+    text: String,
+}
+
+impl Source {
+    /// The lines with their numbers, without those that are only a comment.
+    fn code(&self) -> impl Iterator<Item = (usize, &str)> {
+        let lines = self.text.lines().enumerate().map(|(i, line)| (i + 1, line));
+        lines.filter(|(_, line)| !line.trim_start().starts_with("//"))
+    }
+
+    /// `mesh` of `src/mesh/column.rs` and of `src/mesh.rs`.
+    fn module(&self) -> Option<&str> {
+        let inner = self.path.strip_prefix("src/")?;
+        Some(inner.split('/').next()?.trim_end_matches(".rs"))
+    }
+
+    fn is_this_file(&self) -> bool {
+        self.path == "tests/architecture.rs"
+    }
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Every text file below a directory of the package, sorted; build products and `.git` left out.
+fn sources_in(directory: &str) -> Vec<Source> {
+    let mut found = Vec::new();
+    collect(&root().join(directory), &mut found);
+    found.sort();
+    let read = |path: PathBuf| {
+        let relative = path.strip_prefix(root()).expect("collected below the root");
+        let text = fs::read_to_string(&path).ok()?;
+        Some(Source { path: relative.to_string_lossy().into_owned(), text })
+    };
+    found.into_iter().filter_map(read).collect()
+}
+
+fn collect(directory: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(directory).expect("a directory of the package").flatten() {
+        let (path, name) = (entry.path(), entry.file_name());
+        let product = ["target", "results", ".git", ".venv", "__pycache__"].iter();
+        if path.is_dir() && !product.clone().any(|p| name == *p) {
+            collect(&path, found);
+        } else if path.is_file() {
+            found.push(path);
+        }
+    }
+}
+
+/// The words (identifiers) of a line.
+fn words(line: &str) -> impl Iterator<Item = &str> {
+    line.split(|c: char| !c.is_alphanumeric() && c != '_').filter(|w| !w.is_empty())
+}
+
+/// The name in `pub mod name;`.
+fn declared_module(line: &str) -> Option<&str> {
+    let line = line.strip_prefix("pub ").or(line.strip_prefix("pub(crate) ")).unwrap_or(line);
+    line.strip_prefix("mod ")?.strip_suffix(';')
+}
+
+/// The modules of `lib.rs` in the order in which they are declared.
+fn modules(lib: &str) -> Vec<&str> {
+    lib.lines().filter_map(declared_module).collect()
+}
+
+/// The top-level names that follow `crate::`, also those of `crate::{a, b::{c, d}}`.
+fn crate_names(text: &str) -> Vec<&str> {
+    let mut names = Vec::new();
+    for (at, _) in text.match_indices("crate::") {
+        if text[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_') {
+            continue;
+        }
+        let rest = &text[at + "crate::".len()..];
+        let Some(list) = rest.strip_prefix('{') else {
+            names.extend(words(rest).next());
+            continue;
+        };
+        let (mut depth, mut start) = (0_usize, 0);
+        for (i, c) in list.char_indices() {
+            match c {
+                '{' => depth += 1,
+                ',' | '}' if depth == 0 => {
+                    names.extend(words(&list[start..i]).next());
+                    start = i + 1;
+                    if c == '}' {
+                        break;
+                    }
+                }
+                '}' => depth -= 1,
+                _ => {}
+            }
+        }
+    }
+    names
+}
+
+/// Uses of a module that is declared below the user.
+fn downward_uses(order: &[&str], source: &Source) -> Vec<String> {
+    let position = |name: &str| order.iter().position(|m| *m == name);
+    let Some(own) = source.module().and_then(position) else { return Vec::new() };
+    let code: Vec<_> = source.code().map(|(_, line)| line).collect();
+    let code = code.join("\n");
+    let below = crate_names(&code).into_iter().filter(|name| position(name) > Some(own));
+    below.map(|name| format!("{} uses crate::{name}, declared below it", source.path)).collect()
+}
+
+/// Lines with one of the words, as `path:line`.
+fn lines_with(source: &Source, forbidden: &[&str]) -> Vec<String> {
+    let hit = |line: &str| words(line).any(|word| forbidden.contains(&word));
+    let lines = source.code().filter(|(_, line)| hit(line));
+    lines.map(|(number, line)| format!("{}:{number}: {}", source.path, line.trim())).collect()
+}
+
+/// Lines that name a directory of one machine.
+fn machine_paths(source: &Source) -> Vec<String> {
+    let mut found = Vec::new();
+    for (i, line) in source.text.lines().enumerate() {
+        let absolute = |at: usize| {
+            !line[..at].ends_with(|c: char| c.is_alphanumeric() || "_-.}/)".contains(c))
+                && !line[at..].starts_with(IMAGE_HOME)
+        };
+        if MACHINE.iter().any(|m| line.match_indices(m).any(|(at, _)| absolute(at))) {
+            found.push(format!("{}:{}: {}", source.path, i + 1, line.trim()));
+        }
+    }
+    found
+}
+
+fn assert_none(found: Vec<String>, rule: &str) {
+    assert!(found.is_empty(), "{rule}:\n{}", found.join("\n"));
+}
+
+#[test]
+fn modules_use_only_modules_declared_above_them() {
+    let lib = fs::read_to_string(root().join("src/lib.rs")).expect("src/lib.rs");
+    let order = modules(&lib);
+    assert!(!order.is_empty(), "no modules found in src/lib.rs");
+    let found = sources_in("src").iter().flat_map(|s| downward_uses(&order, s)).collect();
+    assert_none(found, "a module may use only those declared above it in lib.rs");
+}
+
+#[test]
+fn files_are_short() {
+    let sources = sources_in("src").into_iter().chain(sources_in("tests"));
+    let long = sources.filter_map(|s| {
+        let lines = s.text.lines().count();
+        let too_long = s.path.ends_with(".rs") && lines > LONGEST_FILE;
+        too_long.then(|| format!("{}: {lines} lines", s.path))
+    });
+    assert_none(long.collect(), "split by meaning");
+}
+
+#[test]
+fn unsafe_stays_inside_the_fences() {
+    let sources = sources_in("src").into_iter().chain(sources_in("tests"));
+    let outside =
+        sources.filter(|s| !s.is_this_file() && !FENCES.iter().any(|f| s.path.starts_with(f)));
+    let found = outside.flat_map(|s| lines_with(&s, &["unsafe"])).collect();
+    assert_none(found, "unsafe outside the fences");
+}
+
+#[test]
+fn communication_order_never_depends_on_hashes() {
+    let sources = sources_in("src").into_iter();
+    let ordered = sources.filter(|s| ORDERED.iter().any(|o| s.path.starts_with(o)));
+    let found = ordered.flat_map(|s| lines_with(&s, &["HashMap", "HashSet"])).collect();
+    assert_none(
+        found,
+        "use BTreeMap, BTreeSet or sorted vectors: their order is the same on all ranks",
+    );
+}
+
+#[test]
+fn no_file_names_a_directory_of_one_machine() {
+    let sources = sources_in("").into_iter().filter(|s| !s.is_this_file());
+    assert_none(sources.flat_map(|s| machine_paths(&s)).collect(), "paths of one machine");
+}
+
+#[test]
+fn the_rules_find_what_they_look_for() {
+    let source = |path: &str, text: &str| Source { path: path.into(), text: text.into() };
+    let order = modules("mod error;\npub mod mesh;\npub(crate) mod solve;\n");
+    assert_eq!(order, ["error", "mesh", "solve"]);
+
+    let mesh = "use crate::{error::{Error, Result},\n    solve};\n// crate::solve\n";
+    let found = downward_uses(&order, &source("src/mesh/column.rs", mesh));
+    assert_eq!(found, ["src/mesh/column.rs uses crate::solve, declared below it"]);
+    let upward = "use crate::mesh::Mesh;\nfn f() -> crate::error::Result<()> { my_crate::solve() }";
+    assert!(downward_uses(&order, &source("src/solve.rs", upward)).is_empty());
+
+    let raw = source("src/mesh.rs", "#![deny(unsafe_code)]\n// unsafe\nunsafe { f() }\n");
+    assert_eq!(lines_with(&raw, &["unsafe"]), ["src/mesh.rs:3: unsafe { f() }"]);
+
+    let paths = "a: /tmp/x\nhttps://example.org/tmp/x\n$root/tmp/x\n/home/column\n\"/home/me\"\n";
+    assert_eq!(
+        machine_paths(&source("x.md", paths)),
+        ["x.md:1: a: /tmp/x", "x.md:5: \"/home/me\""]
+    );
+}
