@@ -104,12 +104,11 @@ fn petsc_version(include: &[PathBuf]) -> String {
     };
     let (major, minor) = (number("PETSC_VERSION_MAJOR"), number("PETSC_VERSION_MINOR"));
     let patch = number("PETSC_VERSION_SUBMINOR");
-    assert!(
-        (major, minor) >= (3, 18),
-        "PETSc {major}.{minor} is too old: 3.18 or newer is needed"
-    );
+    assert!((major, minor) >= (3, 18), "PETSc {major}.{minor} is too old: 3.18 or newer is needed");
     if (major, minor) > (3, 18) {
-        println!("cargo::warning=PETSc {major}.{minor} is newer than 3.18, the version that is tested");
+        println!(
+            "cargo::warning=PETSc {major}.{minor} is newer than 3.18, the version that is tested"
+        );
     }
     let conf = read("petscconf.h");
     for (key, what) in [
@@ -155,7 +154,9 @@ fn find_metis() -> Found {
         found.link.push(format!("rustc-link-search=native={}", dir.join("lib").display()));
         found.link.push(format!("rustc-link-arg=-Wl,-rpath,{}", dir.join("lib").display()));
     } else if !Path::new("/usr/include/metis.h").exists() {
-        println!("cargo::warning=no /usr/include/metis.h: set METIS_DIR, or on Debian: apt-get install libmetis-dev");
+        println!(
+            "cargo::warning=no /usr/include/metis.h: set METIS_DIR, or on Debian: apt-get install libmetis-dev"
+        );
     }
     found
 }

@@ -4,6 +4,7 @@
 
 pub mod error;
 pub mod comm;
+pub mod timers;
 pub mod petsc;
 pub mod runtime;
 pub mod law;
@@ -19,3 +20,4 @@ pub mod solve;
 pub mod output;
 pub mod report;
 pub mod cli;
+pub mod run;

@@ -4,15 +4,16 @@
 //!
 //! Launched alone, the program starts itself under `mpirun`; under it, it runs the checks in order.
 
+#![allow(clippy::print_stdout)] // the runner's own report
+
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
+use column_hpc::comm::Comm;
 use column_hpc::output::directory::OutputDirectory;
 use column_hpc::output::vtkhdf::{Array, Grid, HEXAHEDRON, LINE, QUADRILATERAL, Series, Values};
 use column_hpc::output::vtkhdf::{rows_of, write_grid};
-use mpi::topology::SimpleCommunicator;
-use mpi::traits::{Communicator, CommunicatorCollectives};
 
 const LAYERS: usize = 6;
 const PER_LAYER: usize = 9;
@@ -72,7 +73,7 @@ fn under_mpirun(place: &Path) {
         std::process::exit(101);
     }));
     let universe = mpi::initialize().expect("MPI is not initialised yet");
-    let comm = universe.world();
+    let comm = Comm::world(universe);
     bulk_reads_back(&comm, place);
     surface_and_line_on_one_rank(&comm, place);
     errors_are_the_same_on_all_ranks(&comm, place);
@@ -80,7 +81,7 @@ fn under_mpirun(place: &Path) {
 }
 
 /// Layers of cells of each rank; on 3 and 4 ranks some have none.
-fn layers(comm: &SimpleCommunicator) -> std::ops::Range<usize> {
+fn layers(comm: &Comm) -> std::ops::Range<usize> {
     let ends: &[usize] = match comm.size() {
         1 => &[LAYERS],
         2 => &[2, LAYERS],
@@ -123,7 +124,7 @@ fn cells_of(layers: std::ops::Range<usize>) -> Vec<i64> {
     connectivity
 }
 
-fn bulk_reads_back(comm: &SimpleCommunicator, place: &Path) {
+fn bulk_reads_back(comm: &Comm, place: &Path) {
     let ids = points_of(layers(comm));
     let points: Vec<_> = ids.iter().map(|&id| point(id)).collect();
     let connectivity = cells_of(layers(comm));
@@ -187,7 +188,7 @@ fn bulk_reads_back(comm: &SimpleCommunicator, place: &Path) {
 }
 
 /// An interface, and a 2D one, that only the last rank holds.
-fn surface_and_line_on_one_rank(comm: &SimpleCommunicator, place: &Path) {
+fn surface_and_line_on_one_rank(comm: &Comm, place: &Path) {
     let here = comm.rank() == comm.size() - 1;
     let all: Vec<[f64; 3]> = (0..PER_LAYER).map(point).collect();
     let quads = [[0, 1, 4, 3], [1, 2, 5, 4], [3, 4, 7, 6], [4, 5, 8, 7]];
@@ -234,7 +235,7 @@ fn surface_and_line_on_one_rank(comm: &SimpleCommunicator, place: &Path) {
     }
 }
 
-fn errors_are_the_same_on_all_ranks(comm: &SimpleCommunicator, place: &Path) {
+fn errors_are_the_same_on_all_ranks(comm: &Comm, place: &Path) {
     let grid =
         Grid { points: &[[0.0; 3]], connectivity: &[], nodes_per_cell: 8, cell_type: HEXAHEDRON };
     let error = write_grid(comm, &place.join("absent/bulk.vtkhdf"), &grid, &[], &[])
@@ -254,7 +255,7 @@ fn errors_are_the_same_on_all_ranks(comm: &SimpleCommunicator, place: &Path) {
     assert!(!path.exists());
 }
 
-fn directory_is_refused_on_all_ranks(comm: &SimpleCommunicator, place: &Path) {
+fn directory_is_refused_on_all_ranks(comm: &Comm, place: &Path) {
     let path = place.join("results");
     let (case, other) = (r#"{"title":"one","a":1}"#, r#"{"title":"one","a":2}"#);
     let directory = OutputDirectory::open(comm, &path, case, false).expect("a new directory");

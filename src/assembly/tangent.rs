@@ -98,8 +98,9 @@ impl Tangent {
                 self.add_cell(all, state, *cell as usize, false, &mut work, matrix)?;
             }
         }
-        for index in 0..all.owned_secondary() {
-            add_law(all, &all.secondary[index], &state[index], matrix)?;
+        let owned = all.owned_secondary();
+        for (rows, state) in all.secondary[..owned].iter().zip(state) {
+            add_law(all, rows, state, matrix)?;
         }
         self.add_identity_rows(all, state, first_time, matrix)?;
         matrix.assemble()?;
@@ -133,7 +134,8 @@ impl Tangent {
         work.rows.extend(work.coupled.iter().map(|n| {
             if every_row || self.pattern.is_interface_row[*n as usize] { number(n) } else { -1 }
         }));
-        let plain = !near_interface && nodes.iter().all(|n| all.prescribed[*n as usize] == [false; 3]);
+        let plain =
+            !near_interface && nodes.iter().all(|n| all.prescribed[*n as usize] == [false; 3]);
         if plain {
             return matrix.add_blocked(&work.rows, &work.columns, stiffness);
         }
@@ -175,11 +177,7 @@ impl Tangent {
 }
 
 /// Components of a local node whose row is the identity.
-fn identity_components(
-    all: &Discretization,
-    state: &[NodeState],
-    node: usize,
-) -> [bool; 3] {
+fn identity_components(all: &Discretization, state: &[NodeState], node: usize) -> [bool; 3] {
     let mut identity = all.prescribed[node];
     if let Some(index) = all.secondary_of[node] {
         let rows = &all.secondary[index as usize].rows;

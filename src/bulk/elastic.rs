@@ -57,7 +57,8 @@ impl Stiffness {
                         for j in 0..dim {
                             let diagonal = if i == j { elastic.mu * dot } else { 0.0 };
                             let k = elastic.lambda * ga[i] * gb[j] + elastic.mu * ga[j] * gb[i];
-                            matrix[(a * dim + i) * n * dim + b * dim + j] += weight * (k + diagonal);
+                            matrix[(a * dim + i) * n * dim + b * dim + j] +=
+                                weight * (k + diagonal);
                         }
                     }
                 }
@@ -143,7 +144,8 @@ mod tests {
         for dim in [2, 3] {
             let k = stiffness(dim);
             let turn = linear(dim, [[0.0, -1.0, 2.0], [1.0, 0.0, 0.5], [-2.0, -0.5, 0.0]]);
-            let shift: Vec<f64> = turn.iter().enumerate().map(|(i, u)| u + (i % dim) as f64).collect();
+            let shift: Vec<f64> =
+                turn.iter().enumerate().map(|(i, u)| u + (i % dim) as f64).collect();
             let mut f = vec![0.0; shift.len()];
             k.force(&shift, &mut f);
             let largest = k.matrix.iter().fold(0.0_f64, |m, v| m.max(v.abs()));

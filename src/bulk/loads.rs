@@ -136,7 +136,13 @@ impl Loads {
         let corners: Vec<[f64; 3]> = nodes.iter().map(|n| mesh.column.point(*n)).collect();
         // Cells are boxes: the measure is the product of the non-zero edge lengths.
         let far = corners.iter().fold(corners[0], |far, c| {
-            std::array::from_fn(|i| if (c[i] - corners[0][i]).abs() > (far[i] - corners[0][i]).abs() { c[i] } else { far[i] })
+            std::array::from_fn(|i| {
+                if (c[i] - corners[0][i]).abs() > (far[i] - corners[0][i]).abs() {
+                    c[i]
+                } else {
+                    far[i]
+                }
+            })
         });
         let measure: f64 =
             (0..3).map(|i| (far[i] - corners[0][i]).abs()).filter(|l| *l > 0.0).product();

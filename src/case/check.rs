@@ -57,7 +57,8 @@ impl Checker<'_> {
             self.agreement(&boundary, &time);
         }
         if self.sound(&["mesh", "interfaces", "boundary"]) && self.problems.is_empty() {
-            for reason in supports::free_motions(&mesh, &interfaces, &boundary, self.dim) {
+            let holds = supports::holds(&interfaces);
+            for reason in supports::free_motions(&mesh, &interfaces, &boundary, self.dim, &holds) {
                 self.add("boundary", format!("leaves a body free: {reason}"));
             }
         }

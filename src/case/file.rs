@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use super::boundary::Surface;
 use super::interface::Side;
-use crate::law::LawSpec;
 use super::material::Porous;
 use super::solver::SolverSpec;
+use crate::law::LawSpec;
 
 /// Case file of column-hpc. All units are SI; z points up.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

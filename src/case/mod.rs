@@ -17,9 +17,9 @@ mod supports;
 mod tree;
 mod value;
 
+pub use crate::law::LawSpec;
 pub use boundary::{BoundarySpec, Surface};
 pub use formula::Formula;
-pub use crate::law::LawSpec;
 pub use interface::{InterfaceSpec, Side};
 pub use material::{Material, Porous};
 pub use mesh::{Cells, MeshSpec};

@@ -2,21 +2,34 @@
 
 use nalgebra::DMatrix;
 
+use super::Case;
 use super::boundary::{BoundarySpec, Surface};
 use super::interface::InterfaceSpec;
-use crate::law::LawSpec;
 use super::mesh::MeshSpec;
+
+impl Case {
+    /// The rigid motions that are free when only the interfaces marked in `holds` join their
+    /// bodies, one sentence for each group of bodies. Local.
+    pub fn free_motions(&self, holds: &[bool]) -> Vec<String> {
+        free_motions(&self.mesh, &self.interfaces, &self.boundary, self.dim, holds)
+    }
+}
+
+/// Whether each interface, undamaged, joins its bodies.
+pub(super) fn holds(interfaces: &[InterfaceSpec]) -> Vec<bool> {
+    interfaces.iter().map(|i| i.law.law().holds_sliding(0.0)).collect()
+}
 
 /// The rigid motions that nothing prevents, one sentence for each group of bodies.
 ///
-/// Bodies that a tied or an unbroken cohesive interface joins move together; contact holds
-/// nothing. A motion is free when no prescribed component of the group sees it, which is the null
+/// Bodies joined by an interface that `holds` move together. A motion is free when no prescribed component of the group sees it, which is the null
 /// space of the constraint rows taken at the corners of the surfaces that the group touches.
 pub(super) fn free_motions(
     mesh: &MeshSpec,
     interfaces: &[InterfaceSpec],
     boundary: &[BoundarySpec],
     dim: usize,
+    holds: &[bool],
 ) -> Vec<String> {
     let heights = |body: usize| {
         let low = if body == 0 { 0.0 } else { interfaces[body - 1].z };
@@ -26,7 +39,7 @@ pub(super) fn free_motions(
     let mut sentences = Vec::new();
     let mut first = 0;
     for last in 0..=interfaces.len() {
-        if interfaces.get(last).is_some_and(|above| !matches!(above.law, LawSpec::Contact(_))) {
+        if holds.get(last).is_some_and(|holds| *holds) {
             continue;
         }
         let part = Part {

@@ -35,6 +35,23 @@ pub struct JumpRows<N> {
     pub rows: [Option<JumpRow<N>>; 3],
 }
 
+impl<N> JumpRows<N> {
+    /// Whether any component has a multiplier.
+    pub fn has_multiplier(&self) -> bool {
+        self.rows.iter().any(Option::is_some)
+    }
+
+    /// The area (2D: length) that counts for the energy of the node: that of the normal component,
+    /// else the mean of those that have a multiplier.
+    pub fn law_weight(&self, dim: usize) -> f64 {
+        if let Some(normal) = &self.rows[dim - 1] {
+            return normal.weight;
+        }
+        let weights = || self.rows.iter().flatten().map(|r| r.weight);
+        weights().sum::<f64>() / weights().count().max(1) as f64
+    }
+}
+
 impl JumpRows<u64> {
     /// The same rows with every name replaced.
     pub fn renamed(self, new: impl Fn(u64) -> u32) -> JumpRows<u32> {
@@ -106,9 +123,16 @@ fn integrate(mesh: &LocalMesh, sides: &[Sides], prescribed: &Prescribed) -> Resu
                 .map(|at| plane_facet(column, side.primary, at))
                 .collect();
             let primary: Vec<&PlaneFacet> = primary.iter().collect();
-            for row in facet_rows(&secondary, &primary, &dropped(&secondary, prescribed, column.dim))? {
+            for row in
+                facet_rows(&secondary, &primary, &dropped(&secondary, prescribed, column.dim))?
+            {
                 for component in (0..column.dim).filter(|c| row.components[*c]) {
-                    let term = |other, value| Term { node: row.node, component: component as u64, other, value };
+                    let term = |other, value| Term {
+                        node: row.node,
+                        component: component as u64,
+                        other,
+                        value,
+                    };
                     terms.push(term(WEIGHT, row.weight));
                     terms.extend(row.secondary.iter().map(|(n, v)| term(*n, side.sign() * v)));
                     terms.extend(row.primary.iter().map(|(n, v)| term(*n, -side.sign() * v)));
@@ -177,13 +201,16 @@ fn sum(
     let mut rows: Vec<JumpRows<u64>> = nodes
         .iter()
         .filter(|(node, _)| owned.binary_search(node).is_ok())
-        .map(|(node, interface)| JumpRows { node: *node, interface: *interface, rows: [None, None, None] })
+        .map(|(node, interface)| JumpRows {
+            node: *node,
+            interface: *interface,
+            rows: [None, None, None],
+        })
         .collect();
     for same in terms.chunk_by(|a, b| (a.node, a.component) == (b.node, b.component)) {
         let node = same[0].node;
-        let total = |other: u64| -> f64 {
-            same.iter().filter(|t| t.other == other).map(|t| t.value).sum()
-        };
+        let total =
+            |other: u64| -> f64 { same.iter().filter(|t| t.other == other).map(|t| t.value).sum() };
         let weight = total(WEIGHT);
         let others = same
             .chunk_by(|a, b| a.other == b.other)
@@ -214,9 +241,7 @@ fn fetch(
         .exchange(&wanted)
         .iter()
         .map(|list| {
-            let rows = list.iter().filter_map(|node| {
-                owned.iter().find(|r| r.node == *node)
-            });
+            let rows = list.iter().filter_map(|node| owned.iter().find(|r| r.node == *node));
             rows.flat_map(pack).collect()
         })
         .collect();

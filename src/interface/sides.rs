@@ -53,4 +53,19 @@ impl Sides {
     pub fn cell_is_secondary(&self, column: &Column, place: CellPlace) -> bool {
         column.facet_cell(self.secondary, [place.at[0], place.at[1]]) == place
     }
+
+    /// The cells of the primary side that face a cell of the secondary side.
+    pub fn facing_cells(&self, column: &Column, place: CellPlace) -> Vec<u64> {
+        let nodes = column.facet_nodes(self.secondary, [place.at[0], place.at[1]]);
+        let corners = nodes.iter().map(|n| column.point(*n));
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for corner in corners {
+            for axis in 0..2 {
+                low[axis] = low[axis].min(corner[axis]);
+                high[axis] = high[axis].max(corner[axis]);
+            }
+        }
+        let facing = column.facets_over(self.primary, low, high).into_iter();
+        facing.map(|at| column.cell(column.facet_cell(self.primary, at))).collect()
+    }
 }

@@ -143,8 +143,7 @@ impl Column {
     /// Number of cells.
     pub fn cells(&self) -> u64 {
         let last = self.bodies.len() - 1;
-        self.bodies[last].first_cell
-            + self.extent(last).iter().map(|n| *n as u64).product::<u64>()
+        self.bodies[last].first_cell + self.extent(last).iter().map(|n| *n as u64).product::<u64>()
     }
 
     /// Number of nodes.
@@ -217,6 +216,28 @@ impl Column {
         let [low, high] = layers[layer].z;
         let fraction = (k - layer * parts) as f64 / parts as f64;
         if fraction == 1.0 { high } else { low + (high - low) * fraction }
+    }
+
+    /// The cell that holds a point of the column, and where in it (0 to 1 along x, y, z). A point
+    /// on an interface belongs to the body below.
+    pub fn locate(&self, point: [f64; 3]) -> (CellPlace, [f64; 3]) {
+        let tolerance = 1e-12 * self.size[2];
+        let top = |b: usize| self.height(b, self.extent(b)[2]);
+        let body = (0..self.bodies.len() - 1).find(|b| point[2] <= top(*b) + tolerance);
+        let body = body.unwrap_or(self.bodies.len() - 1);
+        let n = self.extent(body);
+        let (mut at, mut fraction) = ([0; 3], [0.0; 3]);
+        for axis in 0..2 {
+            if axis == 0 || self.dim == 3 {
+                let cells = point[axis] / self.size[axis] * n[axis] as f64;
+                at[axis] = (cells.max(0.0) as usize).min(n[axis] - 1);
+                fraction[axis] = cells - at[axis] as f64;
+            }
+        }
+        at[2] = (0..n[2] - 1).find(|k| point[2] <= self.height(body, k + 1)).unwrap_or(n[2] - 1);
+        let (low, high) = (self.height(body, at[2]), self.height(body, at[2] + 1));
+        fraction[2] = (point[2] - low) / (high - low);
+        (CellPlace { body, at }, fraction)
     }
 
     /// Edge lengths of a cell along x, y, z (m; y is 1 in 2D, the unit thickness) and its material.

@@ -3,11 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use mpi::topology::SimpleCommunicator;
-use mpi::traits::Communicator;
+use crate::comm::Comm;
 use serde_json::Value;
 
-use super::{agree, atomic};
+use super::atomic;
 use crate::error::{Error, Result};
 
 /// Name of the history table.
@@ -41,14 +40,9 @@ impl OutputDirectory {
     ///
     /// # Parallel
     /// Collective; rank 0 does the work.
-    pub fn open(
-        comm: &SimpleCommunicator,
-        path: &Path,
-        case: &str,
-        overwrite: bool,
-    ) -> Result<Self> {
-        let taken = if comm.rank() == 0 { take(path, case, overwrite) } else { Ok(()) };
-        agree(comm, taken)?;
+    pub fn open(comm: &Comm, path: &Path, case: &str, overwrite: bool) -> Result<Self> {
+        let taken = if comm.is_root() { take(path, case, overwrite) } else { Ok(()) };
+        comm.agree(taken)?;
         Ok(Self { path: path.to_path_buf() })
     }
 

@@ -7,6 +7,7 @@
 
 use std::path::Path;
 
+use crate::comm::Comm;
 use ::hdf5::plist::dataset_create::FillTime;
 use ::hdf5::{Datatype, File, FileBuilder, Group, H5Type, Result, h5check};
 use hdf5_sys::h5::hsize_t;
@@ -18,8 +19,6 @@ use hdf5_sys::h5p::{
 use hdf5_sys::h5s::{
     H5S_seloper_t, H5Sclose, H5Screate_simple, H5Sselect_hyperslab, H5Sselect_none,
 };
-use mpi::raw::AsRaw;
-use mpi::topology::SimpleCommunicator;
 
 /// Which rows of a dataset this rank writes, and how many there are over all ranks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,11 +44,11 @@ impl CollectiveFile {
     ///
     /// # Parallel
     /// Collective.
-    pub fn create(comm: &SimpleCommunicator, path: &Path) -> Result<Self> {
+    pub fn create(comm: &Comm, path: &Path) -> Result<Self> {
         let transfer = Transfer::collective()?;
         // Metadata reads stay independent: collective ones are broken in releases around 1.10.5.
         let file = FileBuilder::new()
-            .with_fapl(|list| list.mpio(comm.as_raw(), None).coll_metadata_write(true))
+            .with_fapl(|list| list.mpio(comm.raw(), None).coll_metadata_write(true))
             .create(path)?;
         Ok(Self { transfer, file })
     }

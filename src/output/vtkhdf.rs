@@ -9,15 +9,13 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::comm::Comm;
 use ::hdf5::types::FixedAscii;
 use ::hdf5::{Group, H5Type};
-use mpi::collective::SystemOperation;
-use mpi::topology::SimpleCommunicator;
-use mpi::traits::{Communicator, CommunicatorCollectives, Root};
 use serde::Serialize;
 
+use super::atomic;
 use super::hdf5::{CollectiveFile, Rows};
-use super::{agree, atomic};
 use crate::error::{Error, Result};
 
 /// VTK's number of a line with two nodes.
@@ -87,12 +85,9 @@ impl Values<'_> {
 ///
 /// # Parallel
 /// Collective.
-pub fn rows_of(comm: &SimpleCommunicator, own: usize) -> Rows {
+pub fn rows_of(comm: &Comm, own: usize) -> Rows {
     let own = own as u64;
-    let (mut through, mut total) = (0u64, 0u64);
-    comm.scan_into(&own, &mut through, SystemOperation::sum());
-    comm.all_reduce_into(&own, &mut total, SystemOperation::sum());
-    Rows { first: through - own, total }
+    Rows { first: comm.exscan_u64(own), total: comm.sum_u64(own) }
 }
 
 /// Writes one grid with its data; the file is complete or absent under its name.
@@ -107,7 +102,7 @@ pub fn rows_of(comm: &SimpleCommunicator, own: usize) -> Rows {
 /// # Parallel
 /// Collective; a rank may have no points and no cells.
 pub fn write_grid(
-    comm: &SimpleCommunicator,
+    comm: &Comm,
     path: &Path,
     grid: &Grid,
     point_data: &[Array],
@@ -116,11 +111,10 @@ pub fn write_grid(
     let cells = grid.connectivity.len() / grid.nodes_per_cell;
     let points = rows_of(comm, grid.points.len());
     let cells = rows_of(comm, cells);
-    agree(comm, check(grid, points.total, point_data, cell_data))?;
+    comm.agree(check(grid, points.total, point_data, cell_data))?;
 
-    let root = comm.rank() == 0;
-    let mut process = std::process::id();
-    comm.process_at_rank(0).broadcast_into(&mut process);
+    let root = comm.is_root();
+    let process = comm.max_u64(if root { u64::from(std::process::id()) } else { 0 }) as u32;
     let temporary = atomic::temporary(path, process);
     let writer = GridWriter { comm, path, points, cells };
     let size = writer.size(grid, point_data, cell_data);
@@ -130,7 +124,7 @@ pub fn write_grid(
     if root && created.is_err() {
         atomic::discard(&temporary);
     }
-    agree(comm, created)?;
+    comm.agree(created)?;
 
     let mut outcome = writer.write(&temporary, size, grid, point_data, cell_data);
     if root {
@@ -139,7 +133,7 @@ pub fn write_grid(
             atomic::discard(&temporary);
         }
     }
-    agree(comm, outcome)
+    comm.agree(outcome)
 }
 
 fn check(grid: &Grid, points: u64, point_data: &[Array], cell_data: &[Array]) -> Result<()> {
@@ -169,7 +163,7 @@ fn check(grid: &Grid, points: u64, point_data: &[Array], cell_data: &[Array]) ->
 }
 
 struct GridWriter<'a> {
-    comm: &'a SimpleCommunicator,
+    comm: &'a Comm,
     path: &'a Path,
     points: Rows,
     cells: Rows,
@@ -202,9 +196,11 @@ impl GridWriter<'_> {
     ) -> Result<()> {
         let file = self.agreed(CollectiveFile::create(self.comm, temporary))?;
         // Creating the file gave back the room that was made for it.
-        let root = self.comm.rank() == 0;
+        let root = self.comm.is_root();
         let room = if root { atomic::reserve(temporary, size) } else { Ok(()) };
-        let written = agree(self.comm, self.explain(room, size))
+        let written = self
+            .comm
+            .agree(self.explain(room, size))
             .and_then(|()| self.write_groups(&file, grid, point_data, cell_data));
         // Closing is collective and every rank is here, whether the writes went well or not.
         let closed = self.agreed(file.close());
@@ -222,7 +218,7 @@ impl GridWriter<'_> {
         let group = self.agreed(file.create_group("VTKHDF"))?;
         self.agreed(write_kind(&group))?;
 
-        let root = self.comm.rank() == 0;
+        let root = self.comm.is_root();
         let connectivity = Rows {
             first: cells.first * grid.nodes_per_cell as u64,
             total: cells.total * grid.nodes_per_cell as u64,
@@ -284,7 +280,7 @@ impl GridWriter<'_> {
     }
 
     fn agreed<T>(&self, result: ::hdf5::Result<T>) -> Result<T> {
-        agree(self.comm, result.map_err(|cause| Error::file("cannot write", self.path, cause)))
+        self.comm.agree(result.map_err(|cause| Error::file("cannot write", self.path, cause)))
     }
 }
 
@@ -338,7 +334,7 @@ impl Series {
     /// Collective.
     pub fn write(
         &mut self,
-        comm: &SimpleCommunicator,
+        comm: &Comm,
         step: usize,
         time: f64,
         grid: &Grid,
@@ -348,7 +344,7 @@ impl Series {
         let name = format!("{}_{step:06}.vtkhdf", self.name);
         write_grid(comm, &self.directory.join(&name), grid, point_data, cell_data)?;
         self.files.push(Instant { name, time });
-        agree(comm, if comm.rank() == 0 { self.write_index() } else { Ok(()) })
+        comm.agree(if comm.is_root() { self.write_index() } else { Ok(()) })
     }
 
     fn write_index(&self) -> Result<()> {

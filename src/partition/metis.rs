@@ -27,8 +27,7 @@ pub fn cut(start: &[i32], neighbours: &[i32], weights: &[i32], parts: usize) -> 
     unsafe { ffi::METIS_SetDefaultOptions(options.as_mut_ptr()) };
     options[ffi::METIS_OPTION_SEED as usize] = 1;
     // Recursive bisection balances better for a few parts, k-way is faster for many.
-    let method =
-        if parts <= 8 { ffi::METIS_PartGraphRecursive } else { ffi::METIS_PartGraphKway };
+    let method = if parts <= 8 { ffi::METIS_PartGraphRecursive } else { ffi::METIS_PartGraphKway };
     let null = std::ptr::null_mut();
     // SAFETY: the graph is consistent (asserted above), the arrays outlive the call, `part` has
     // one entry per vertex, and METIS takes null for weights and targets that are not given.

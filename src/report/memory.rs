@@ -1,20 +1,17 @@
 //! The largest memory that a run held.
 
-use mpi::collective::SystemOperation;
-use mpi::topology::SimpleCommunicator;
-use mpi::traits::CommunicatorCollectives;
+use crate::comm::Comm;
 
 /// Largest resident memory of every rank so far, summed in bytes; none if a rank's system does not
 /// tell.
 ///
 /// # Parallel
 /// Collective.
-pub fn peak(comm: &SimpleCommunicator) -> Option<u64> {
+pub fn peak(comm: &Comm) -> Option<u64> {
     let own = std::fs::read_to_string("/proc/self/status").ok().and_then(|s| high_water_mark(&s));
-    let own = [own.unwrap_or(0), u64::from(own.is_none())];
-    let mut sum = [0u64; 2];
-    comm.all_reduce_into(&own[..], &mut sum[..], SystemOperation::sum());
-    (sum[1] == 0).then_some(sum[0])
+    let unknown = comm.any(own.is_none());
+    let sum = comm.sum_u64(own.unwrap_or(0));
+    (!unknown).then_some(sum)
 }
 
 /// `VmHWM` of the text of `/proc/PID/status` in bytes.

@@ -3,7 +3,6 @@
 pub mod expectations;
 pub mod memory;
 pub mod tables;
-pub mod timers;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,9 +11,9 @@ use serde::Serialize;
 
 use crate::error::{Error, Result};
 use crate::output::atomic;
+use crate::timers::Timings;
 use expectations::Outcome;
 use tables::Instant;
-use timers::Timings;
 
 /// The content of `report.json`; the keys are a contract with users.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -110,6 +109,8 @@ pub struct Partition {
     pub cut_pairs: u64,
     /// Ghost nodes over all nodes, summed over ranks.
     pub ghost_share: f64,
+    /// Cells of the largest mesh that any rank held before the distribution.
+    pub cells_before_distribution: u64,
 }
 
 impl Report {
@@ -176,6 +177,7 @@ mod tests {
                 interface_nodes: vec![4, 0],
                 cut_pairs: 0,
                 ghost_share: 0.1,
+                cells_before_distribution: 4,
             },
             instants: vec![],
             expectations: vec![],

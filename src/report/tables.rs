@@ -6,8 +6,8 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use super::expectations::Outcome;
-use super::timers::Timings;
 use crate::output::history::Table;
+use crate::timers::Timings;
 
 /// What is told of one accepted instant.
 #[derive(Debug, Clone, PartialEq, Serialize)]

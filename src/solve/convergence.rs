@@ -121,8 +121,11 @@ impl Convergence {
         let mut signature = 0u64;
         for (rows, response) in all.secondary.iter().zip(&interfaces.response) {
             let name = all.nodes.names[rows.node as usize];
-            let scale =
-                interfaces.laws[rows.interface].spec.law().jump_scale().unwrap_or(displacement_scale);
+            let scale = interfaces.laws[rows.interface]
+                .spec
+                .law()
+                .jump_scale()
+                .unwrap_or(displacement_scale);
             let square: f64 = response.defect.iter().map(|d| d * d).sum();
             let relative = if square == 0.0 { 0.0 } else { square.sqrt() / scale };
             defect[rows.interface].see(relative, name);
@@ -132,8 +135,7 @@ impl Convergence {
         let defect: Vec<Worst> = defect.into_iter().map(|d| d.over_ranks(comm)).collect();
         if worst.not_a_number || !norm.is_finite() || defect.iter().any(|d| d.not_a_number) {
             let first = defect.iter().find(|d| d.not_a_number).copied().unwrap_or(worst);
-            self.failure =
-                Some(format!("a force is not a number {}", self.at(first.node)));
+            self.failure = Some(format!("a force is not a number {}", self.at(first.node)));
             return Ok(Verdict::Diverged);
         }
         let out_of_balance = if worst.value == 0.0 { 0.0 } else { worst.value / force_scale };

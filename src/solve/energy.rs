@@ -50,7 +50,7 @@ impl Work {
         let state = &problem.interfaces;
         for (rows, response) in all.secondary.iter().zip(&state.response) {
             let law = state.laws[rows.interface].spec.law();
-            let weight = law_weight(rows, dim);
+            let weight = rows.law_weight(dim);
             dissipated += weight * law.dissipated(response.history);
             let jump = super::interfaces::to_local(response.jump, dim);
             stored += weight * law.recoverable(jump, response.history);
@@ -60,14 +60,4 @@ impl Work {
         self.total += sums[2];
         Energy { elastic: sums[0], dissipated: sums[1], external: self.total }
     }
-}
-
-/// The area of a node that counts for its energy: that of the normal component, else the mean of
-/// those that have a multiplier.
-fn law_weight(rows: &crate::interface::JumpRows<u32>, dim: usize) -> f64 {
-    if let Some(normal) = &rows.rows[dim - 1] {
-        return normal.weight;
-    }
-    let weights: Vec<f64> = rows.rows.iter().flatten().map(|r| r.weight).collect();
-    if weights.is_empty() { 0.0 } else { weights.iter().sum::<f64>() / weights.len() as f64 }
 }

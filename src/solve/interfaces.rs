@@ -80,8 +80,7 @@ impl InterfaceState {
                 self.committed[index],
                 dim,
             );
-            self.response[index] =
-                combine(rows, traction, jump, &answer, law.augmentation, dim);
+            self.response[index] = combine(rows, traction, jump, &answer, law.augmentation, dim);
         }
     }
 
@@ -118,8 +117,10 @@ fn combine(
         law_traction[c] = traction[c];
         if !state.stuck[c] {
             // A^-1 = C + r I on the components that are not stuck.
-            let change: f64 =
-                (0..dim).filter(|d| !state.stuck[*d]).map(|d| state.tangent[c][d] * defect[d]).sum();
+            let change: f64 = (0..dim)
+                .filter(|d| !state.stuck[*d])
+                .map(|d| state.tangent[c][d] * defect[d])
+                .sum();
             law_traction[c] += change + augmentation * defect[c];
         }
     }

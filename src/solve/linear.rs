@@ -69,6 +69,11 @@ impl LinearChoice {
         }
     }
 
+    /// Memory per unknown (bytes) where it is not that of multigrid: the factors of MUMPS.
+    pub fn bytes_per_unknown(&self) -> Option<f64> {
+        (self.preset == "mumps").then_some(1.1e4)
+    }
+
     fn named(preset: &'static str, why: String) -> Self {
         let options = PRESETS.iter().find(|(name, _)| *name == preset).map(|(_, o)| o.to_vec());
         Self { preset, why, options: options.unwrap_or_default() }
@@ -94,7 +99,9 @@ impl LinearChoice {
             (1.5 * section * section).min(28.0 * unknowns)
         };
         let stretch = (0..column.bodies()).map(|b| stretch(column, b)).fold(1.0, f64::max);
-        let about = format!("{unknowns:.0} unknowns, about {operations:.1e} operations per unknown to factorise");
+        let about = format!(
+            "{unknowns:.0} unknowns, about {operations:.1e} operations per unknown to factorise"
+        );
         if operations < DIRECT_LIMIT {
             Self::named("mumps", format!("{about}: elimination is cheapest"))
         } else if stretch > STRETCH_LIMIT {

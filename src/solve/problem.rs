@@ -12,11 +12,13 @@ use crate::bulk::Loads;
 use crate::comm::Comm;
 use crate::error::Result;
 use crate::petsc::{LinearTolerance, Matrix, NonlinearSystem, TangentChange, Verdict};
+use crate::timers::{Phase, Timers};
 
 /// One rank's share of the problem.
 pub struct Problem<'a> {
     /// The communicator of all collective calls.
     pub comm: &'a Comm,
+    timers: &'a Timers,
     /// Cells, nodes, rows.
     pub all: Discretization,
     /// Loads on the bulk.
@@ -43,8 +45,10 @@ pub struct Problem<'a> {
 
 impl<'a> Problem<'a> {
     /// A problem at rest.
+    #[allow(clippy::too_many_arguments)] // every part is built by a stage of its own
     pub fn new(
         comm: &'a Comm,
+        timers: &'a Timers,
         all: Discretization,
         loads: Loads,
         interfaces: InterfaceState,
@@ -55,6 +59,7 @@ impl<'a> Problem<'a> {
         let size = all.nodes.len() * all.dim;
         Self {
             comm,
+            timers,
             loads,
             interfaces,
             convergence,
@@ -139,6 +144,7 @@ impl<'a> Problem<'a> {
 
 impl NonlinearSystem for Problem<'_> {
     fn residual(&mut self, x: &[f64], f: &mut [f64]) -> Result<()> {
+        let _phase = self.timers.enter(Phase::Assembly);
         self.evaluate_bulk(x);
         self.interfaces.evaluate(&self.all, &self.displacement, &self.bulk_force);
         let (known, known_force) = self.known_jumps();
@@ -183,6 +189,7 @@ impl NonlinearSystem for Problem<'_> {
         if !self.comm.any(self.assembled_state.as_ref() != Some(&state)) {
             return Ok(TangentChange::Unchanged);
         }
+        let _phase = self.timers.enter(Phase::Assembly);
         self.tangent.assemble(&self.all, &state, matrix)?;
         self.assembled_state = Some(state);
         Ok(TangentChange::Changed)

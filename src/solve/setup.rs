@@ -14,6 +14,7 @@ use crate::mesh::{LocalMesh, axes};
 use crate::petsc::{KspSetup, Matrix, Snes, Vector};
 use crate::runtime::Runtime;
 use crate::space::{Directory, Nodes, Prescribed};
+use crate::timers::Timers;
 
 /// A problem with its solver, and what is known of the discretisation for output and report.
 pub struct Model<'a> {
@@ -34,7 +35,12 @@ pub struct Model<'a> {
 /// # Errors
 /// `Input` when boundary entries disagree or a side of an interface is not covered; `System` when
 /// PETSc fails.
-pub fn build<'a>(runtime: &'a Runtime, case: &Case, mesh: LocalMesh) -> Result<Model<'a>> {
+pub fn build<'a>(
+    runtime: &'a Runtime,
+    timers: &'a Timers,
+    case: &Case,
+    mesh: LocalMesh,
+) -> Result<Model<'a>> {
     let comm = &runtime.comm;
     let prescribed = Prescribed::new(case, &mesh.column);
     let agreement = prescribed.check_agreement(&mesh.nodes, &case.time);
@@ -44,7 +50,11 @@ pub fn build<'a>(runtime: &'a Runtime, case: &Case, mesh: LocalMesh) -> Result<M
     let directory = Directory::new(comm, mesh.column.nodes(), &mesh.nodes);
     let rows = jump_rows(comm, &mesh, &sides, &prescribed, &directory)?;
     let mut needed = mesh.nodes.clone();
-    needed.extend(rows.iter().flat_map(|r| r.rows.iter().flatten()).flat_map(|r| r.others.iter().map(|o| o.0)));
+    needed.extend(
+        rows.iter()
+            .flat_map(|r| r.rows.iter().flatten())
+            .flat_map(|r| r.others.iter().map(|o| o.0)),
+    );
     let nodes = Nodes::new(comm, &directory, &needed)?;
     drop(directory);
 
@@ -82,7 +92,7 @@ pub fn build<'a>(runtime: &'a Runtime, case: &Case, mesh: LocalMesh) -> Result<M
     let target = LinearTarget::new(solver.tolerance);
     let x = Vector::new(&runtime.petsc, all.nodes.owned * dim, dim)?;
     let snes = Snes::new(&runtime.petsc, "", matrix, &KspSetup::new(&choice.options))?;
-    let problem = Problem::new(comm, all, loads, interfaces, tangent, convergence, target);
+    let problem = Problem::new(comm, timers, all, loads, interfaces, tangent, convergence, target);
     let stepper = Stepper::new(problem, snes, x, prescribed, case.start);
     Ok(Model { stepper, mesh, sides, choice, unknowns })
 }
@@ -103,7 +113,13 @@ fn cells(case: &Case, mesh: &LocalMesh, nodes: &Nodes) -> Cells {
         .flat_map(|c| mesh.column.cell_nodes(mesh.column.cell_place(*c)))
         .map(|name| nodes.local(name).expect("the nodes of the rank's cells are held"))
         .collect();
-    Cells::new(case.dim, mesh.nodes_per_cell(), connectivity, mesh.cell_prototype.clone(), stiffness)
+    Cells::new(
+        case.dim,
+        mesh.nodes_per_cell(),
+        connectivity,
+        mesh.cell_prototype.clone(),
+        stiffness,
+    )
 }
 
 /// The laws, with the augmentation that suits the stiffness of the cells behind the interface.

@@ -88,6 +88,24 @@ impl<'a> Stepper<'a> {
         Ok(total)
     }
 
+    /// Force of the support on the body at each owned node with prescribed components, by the
+    /// surface that prescribes them (N; 0 at other components). Local.
+    pub fn reactions(&self) -> Vec<(&'static str, [f64; 3])> {
+        let (all, dim) = (&self.problem.all, self.problem.all.dim);
+        let mut list = Vec::new();
+        for node in (0..all.nodes.owned).filter(|n| all.prescribed[*n] != [false; 3]) {
+            let entries = self.prescribed.entries_of(all.nodes.names[node]);
+            for (c, entry) in entries.iter().enumerate().take(dim) {
+                if let Some(entry) = entry {
+                    let mut force = [0.0; 3];
+                    force[c] = self.problem.balance[node * dim + c];
+                    list.push((self.prescribed.surface(*entry), force));
+                }
+            }
+        }
+        list
+    }
+
     fn try_step(&mut self, target: f64) -> Result<SolveReport> {
         self.problem.set_load(target)?;
         let written = self.write_prescribed(target);

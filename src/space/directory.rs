@@ -36,8 +36,7 @@ impl<'a> Directory<'a> {
         let first = first_of(comm.rank() as u64, total, ranks);
         let last = first_of(comm.rank() as u64 + 1, total, ranks);
         let entries = vec![Entry { owner: -1, number: -1 }; (last - first) as usize];
-        let mut directory =
-            Self { comm, total, first, entries, owned: Vec::new(), first_owned: 0 };
+        let mut directory = Self { comm, total, first, entries, owned: Vec::new(), first_owned: 0 };
         directory.elect_owners(touched);
         directory.number_owned();
         directory
@@ -70,10 +69,8 @@ impl<'a> Directory<'a> {
             let chosen = (mix(name) % same.len() as u64) as usize;
             self.entries[(name - self.first) as usize].owner = same[chosen].1;
         }
-        let replies: Vec<Vec<i32>> = asked
-            .iter()
-            .map(|list| list.iter().map(|n| self.entry(*n).owner).collect())
-            .collect();
+        let replies: Vec<Vec<i32>> =
+            asked.iter().map(|list| list.iter().map(|n| self.entry(*n).owner).collect()).collect();
         let owners = self.join(touched, &self.comm.exchange(&replies));
         let me = self.comm.rank();
         self.owned =
@@ -83,7 +80,8 @@ impl<'a> Directory<'a> {
     fn number_owned(&mut self) {
         self.first_owned = self.comm.exscan_u64(self.owned.len() as u64) as i32;
         let names = self.split(&self.owned);
-        let mut numbers: Vec<Vec<i32>> = names.iter().map(|l| Vec::with_capacity(l.len())).collect();
+        let mut numbers: Vec<Vec<i32>> =
+            names.iter().map(|l| Vec::with_capacity(l.len())).collect();
         for (i, name) in self.owned.iter().enumerate() {
             let keeper = self.keeper(*name);
             numbers[keeper].push(self.first_owned + i as i32);
@@ -103,9 +101,8 @@ impl<'a> Directory<'a> {
         let ranks = self.comm.size() as u64;
         let guess = (u128::from(name) * u128::from(ranks) / u128::from(self.total)) as u64;
         let candidates = [guess + 1, guess];
-        let keeper = candidates.into_iter().find(|r| {
-            *r < ranks && first_of(*r, self.total, ranks) <= name
-        });
+        let keeper =
+            candidates.into_iter().find(|r| *r < ranks && first_of(*r, self.total, ranks) <= name);
         keeper.unwrap_or(guess.saturating_sub(1)) as usize
     }
 

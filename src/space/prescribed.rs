@@ -27,9 +27,10 @@ impl Prescribed {
         let surfaces = self.column.surfaces(node);
         let mut of = [None; 3];
         for (component, axis) in axes(self.column.dim).iter().enumerate() {
-            of[component] = self.entries.iter().position(|e| {
-                e.displacement[*axis].is_some() && surfaces.contains(e.on)
-            });
+            of[component] = self
+                .entries
+                .iter()
+                .position(|e| e.displacement[*axis].is_some() && surfaces.contains(e.on));
         }
         of
     }
@@ -51,7 +52,8 @@ impl Prescribed {
     pub fn value(&self, entry: usize, component: usize, node: u64, time: f64) -> Result<f64> {
         let axis = axes(self.column.dim)[component];
         let point = self.column.point(node);
-        let value = self.entries[entry].displacement[axis].as_ref().map_or(0.0, |v| v.at(point, time));
+        let value =
+            self.entries[entry].displacement[axis].as_ref().map_or(0.0, |v| v.at(point, time));
         if value.is_finite() {
             return Ok(value);
         }
@@ -93,7 +95,9 @@ impl Prescribed {
         instants: &[f64],
     ) -> Result<()> {
         let point = self.column.point(node);
-        let value = |e: &BoundarySpec, t: f64| e.displacement[axis].as_ref().map_or(0.0, |v| v.at(point, t));
+        let value = |e: &BoundarySpec, t: f64| {
+            e.displacement[axis].as_ref().map_or(0.0, |v| v.at(point, t))
+        };
         for time in instants {
             let first = value(entries[0], *time);
             for other in &entries[1..] {

@@ -4,6 +4,8 @@
 //! of the lists below in their order, the same on every rank. A word on the command line chooses
 //! the tests whose names contain it.
 
+#![allow(clippy::print_stdout)] // the runner's own report
+
 mod comm;
 #[path = "../common/mod.rs"]
 mod common;

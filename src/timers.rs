@@ -3,9 +3,7 @@
 use std::cell::Cell;
 use std::time::{Duration, Instant};
 
-use mpi::collective::SystemOperation;
-use mpi::topology::SimpleCommunicator;
-use mpi::traits::CommunicatorCollectives;
+use crate::comm::Comm;
 use serde::Serialize;
 
 /// A part of a run whose time is reported.
@@ -116,11 +114,10 @@ impl Timers {
     ///
     /// # Parallel
     /// Collective.
-    pub fn slowest(&self, comm: &SimpleCommunicator) -> Timings {
+    pub fn slowest(&self, comm: &Comm) -> Timings {
         let t = self.timings();
-        let own = [t.mesh, t.partition, t.assembly, t.solve, t.output, t.total];
-        let mut slowest = own;
-        comm.all_reduce_into(&own[..], &mut slowest[..], SystemOperation::max());
+        let mut slowest = [t.mesh, t.partition, t.assembly, t.solve, t.output, t.total];
+        comm.max(&mut slowest);
         let [mesh, partition, assembly, solve, output, total] = slowest;
         Timings { mesh, partition, assembly, solve, output, total }
     }

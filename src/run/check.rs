@@ -1,0 +1,61 @@
+//! `check` and `schema`: what can be said of a case without solving it.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use crate::case::{self, Case, read_text};
+use crate::error::{Error, Result};
+use crate::interface::Sides;
+use crate::mesh::Column;
+use crate::solve::LinearChoice;
+use crate::space::Prescribed;
+
+/// Memory per unknown (bytes) of matrix, preconditioner and fields, measured on columns.
+const MULTIGRID_BYTES: f64 = 2.5e3;
+/// Largest column that the check walks through node by node.
+const MOST_NODES: u64 = 2_000_000;
+
+/// The JSON Schema of the case file.
+pub fn schema() -> String {
+    serde_json::to_string_pretty(&case::schema()).unwrap_or_default()
+}
+
+/// Reads and checks a case; says what will be modelled, why, and how large it is. Local.
+///
+/// # Errors
+/// `Input` with everything that is wrong.
+pub fn check(path: &Path, overrides: &[String]) -> Result<String> {
+    let case = Case::read(&read_text(path)?, path, overrides)?;
+    let coarse = Column::new(&case)?;
+    let column = coarse.refined(case.mesh.refine);
+    let unknowns = column.nodes() * case.dim as u64;
+    let choice = LinearChoice::new(&case, &column);
+    if column.nodes() <= MOST_NODES {
+        let nodes: Vec<u64> = (0..column.nodes()).collect();
+        Prescribed::new(&case, &column).check_agreement(&nodes, &case.time)?;
+    }
+    let bytes = unknowns as f64 * choice.bytes_per_unknown().unwrap_or(MULTIGRID_BYTES);
+    let mut text = format!("{}\n", case.title);
+    let mut line = |name: &str, what: String| {
+        writeln!(text, "{name:<10} {what}").map_err(|e| Error::Bug(format!("check: {e}")))
+    };
+    line("model", format!("{}, {}D", case.physics.name(), case.dim))?;
+    for sentence in &case.left_out {
+        line("left out", sentence.clone())?;
+    }
+    line("mesh", format!("{} cells, {unknowns} unknowns", column.cells()))?;
+    for (interface, side) in case.interfaces.iter().zip(Sides::choose(&case, &column)) {
+        let secondary = if side.secondary.upper { "lower" } else { "upper" };
+        let (name, law) = (&interface.name, interface.law.name());
+        line(
+            "interface",
+            format!("{name} at z = {} m: {law}, multipliers on the {secondary} side", interface.z),
+        )?;
+    }
+    line("linear", format!("{}: {}", choice.preset, choice.why))?;
+    line("memory", format!("about {:.2} GB in all", bytes / 1e9))?;
+    line("instants", format!("{}", case.time.len()))?;
+    line("output", format!("{}", case.output.directory.display()))?;
+    text.push_str("the case is right\n");
+    Ok(text)
+}

@@ -1,0 +1,244 @@
+//! Field files: the bulk, and the secondary side of each interface.
+
+use crate::assembly::Discretization;
+use crate::case::Case;
+use crate::comm::Comm;
+use crate::error::Result;
+use crate::mesh::axes;
+use crate::output::directory::OutputDirectory;
+use crate::output::vtkhdf::{Array, Grid, HEXAHEDRON, LINE, QUADRILATERAL, Series, Values};
+use crate::solve::{Model, Problem};
+
+/// Writes the fields of every wanted instant.
+pub struct FieldWriter {
+    bulk: Series,
+    interfaces: Vec<Series>,
+}
+
+impl FieldWriter {
+    /// Series without files.
+    pub fn new(case: &Case, directory: &OutputDirectory) -> Self {
+        let series = |name: &str| Series::new(directory.fields(), name);
+        Self {
+            bulk: series("bulk"),
+            interfaces: case.interfaces.iter().map(|i| series(&i.name)).collect(),
+        }
+    }
+
+    /// Writes the state that `model` has reached, as step `step` at `time`. Collective.
+    ///
+    /// # Errors
+    /// `System` when a file cannot be written.
+    pub fn write(
+        &mut self,
+        comm: &Comm,
+        case: &Case,
+        model: &Model<'_>,
+        step: usize,
+        time: f64,
+    ) -> Result<()> {
+        self.write_bulk(comm, case, model, step, time)?;
+        let problem = &model.stepper.problem;
+        let tractions = nodal_tractions(model);
+        for (index, series) in self.interfaces.iter_mut().enumerate() {
+            let side = InterfaceGrid::new(comm, model, index);
+            let points: Vec<[f64; 3]> =
+                side.nodes.iter().map(|i| point(model, problem.all.secondary[*i].node)).collect();
+            let grid = Grid {
+                points: &points,
+                connectivity: &side.connectivity,
+                nodes_per_cell: case.dim * 2 - 2,
+                cell_type: if case.dim == 2 { LINE } else { QUADRILATERAL },
+            };
+            let state = &problem.interfaces;
+            let vectors = |of: &dyn Fn(usize) -> [f64; 3]| -> Vec<f64> {
+                side.nodes.iter().flat_map(|i| in_space(of(*i), case.dim)).collect()
+            };
+            let traction = vectors(&|i| tractions[problem.all.secondary[i].node as usize]);
+            let jump = vectors(&|i| state.response[i].jump);
+            let law = state.laws[index].spec.law();
+            let damage: Vec<f64> =
+                side.nodes.iter().map(|i| law.damage(state.response[*i].history)).collect();
+            let branch: Vec<i32> =
+                side.nodes.iter().map(|i| state.response[*i].branch as i32).collect();
+            let names: Vec<i64> = side
+                .nodes
+                .iter()
+                .map(|i| problem.all.nodes.names[problem.all.secondary[*i].node as usize] as i64)
+                .collect();
+            let data = [
+                Array { name: "traction", components: 3, values: Values::F64(&traction) },
+                Array { name: "jump", components: 3, values: Values::F64(&jump) },
+                Array { name: "damage", components: 1, values: Values::F64(&damage) },
+                Array { name: "state", components: 1, values: Values::I32(&branch) },
+                Array { name: "global_node_id", components: 1, values: Values::I64(&names) },
+            ];
+            series.write(comm, step, time, &grid, &data, &[])?;
+        }
+        Ok(())
+    }
+
+    fn write_bulk(
+        &mut self,
+        comm: &Comm,
+        case: &Case,
+        model: &Model<'_>,
+        step: usize,
+        time: f64,
+    ) -> Result<()> {
+        let problem = &model.stepper.problem;
+        let (all, dim) = (&problem.all, case.dim);
+        let owned = 0..all.nodes.owned as u32;
+        let points: Vec<[f64; 3]> = owned.clone().map(|n| point(model, n)).collect();
+        let connectivity: Vec<i64> = all
+            .cells
+            .connectivity()
+            .iter()
+            .map(|n| i64::from(all.nodes.numbers[*n as usize]))
+            .collect();
+        let displacement: Vec<f64> = owned
+            .flat_map(|n| {
+                let u = &problem.displacement[n as usize * dim..][..dim];
+                in_space(std::array::from_fn(|c| u.get(c).copied().unwrap_or(0.0)), dim)
+            })
+            .collect();
+        let names: Vec<i64> =
+            all.nodes.names[..all.nodes.owned].iter().map(|n| *n as i64).collect();
+        let stress: Vec<f64> =
+            (0..all.cells.len()).flat_map(|c| cell_stress(all, &problem.displacement, c)).collect();
+        let material: Vec<i32> = model
+            .mesh
+            .cell_prototype
+            .iter()
+            .map(|p| model.mesh.prototypes[*p as usize].material as i32)
+            .collect();
+        let rank = vec![comm.rank(); all.cells.len()];
+        let cells: Vec<i64> = model.mesh.cells.iter().map(|c| *c as i64).collect();
+        let grid = Grid {
+            points: &points,
+            connectivity: &connectivity,
+            nodes_per_cell: model.mesh.nodes_per_cell(),
+            cell_type: if dim == 2 { QUADRILATERAL } else { HEXAHEDRON },
+        };
+        let point_data = [
+            Array { name: "displacement", components: 3, values: Values::F64(&displacement) },
+            Array { name: "global_node_id", components: 1, values: Values::I64(&names) },
+        ];
+        let cell_data = [
+            Array { name: "stress", components: 6, values: Values::F64(&stress) },
+            Array { name: "material", components: 1, values: Values::I32(&material) },
+            Array { name: "rank", components: 1, values: Values::I32(&rank) },
+            Array { name: "global_cell_id", components: 1, values: Values::I64(&cells) },
+        ];
+        self.bulk.write(comm, step, time, &grid, &point_data, &cell_data)
+    }
+}
+
+fn point(model: &Model<'_>, node: u32) -> [f64; 3] {
+    model.mesh.column.point(model.stepper.problem.all.nodes.names[node as usize])
+}
+
+/// Components to x, y, z.
+fn in_space(v: [f64; 3], dim: usize) -> [f64; 3] {
+    let mut out = [0.0; 3];
+    axes(dim).iter().enumerate().for_each(|(c, axis)| out[*axis] = v[c]);
+    out
+}
+
+fn cell_stress(all: &Discretization, displacement: &[f64], cell: usize) -> [f64; 6] {
+    let u: Vec<f64> = all
+        .cells
+        .nodes(cell)
+        .iter()
+        .flat_map(|n| &displacement[*n as usize * all.dim..][..all.dim])
+        .copied()
+        .collect();
+    all.cells.stiffness(cell).stress(&u)
+}
+
+/// The facets of one interface: owned secondary nodes as points, facets of the rank's own cells.
+struct InterfaceGrid {
+    /// Indices into `Discretization::secondary`.
+    nodes: Vec<usize>,
+    connectivity: Vec<i64>,
+}
+
+impl InterfaceGrid {
+    fn new(comm: &Comm, model: &Model<'_>, interface: usize) -> Self {
+        let all = &model.stepper.problem.all;
+        let nodes: Vec<usize> = (0..all.owned_secondary())
+            .filter(|i| all.secondary[*i].interface == interface)
+            .collect();
+        let first = comm.exscan_u64(nodes.len() as u64);
+        // Rows are whole numbers far below 2^53.
+        let mut row = vec![0.0; all.nodes.len()];
+        for (i, index) in nodes.iter().enumerate() {
+            row[all.secondary[*index].node as usize] = (first + i as u64) as f64;
+        }
+        all.nodes.update_ghosts(&mut row, 1);
+        let connectivity = facets(model, interface)
+            .into_iter()
+            .flatten()
+            .map(|n| row[n as usize] as i64)
+            .collect();
+        Self { nodes, connectivity }
+    }
+}
+
+/// Local nodes of the secondary facets of this rank's cells.
+fn facets(model: &Model<'_>, interface: usize) -> Vec<Vec<u32>> {
+    let (column, side) = (&model.mesh.column, &model.sides[interface]);
+    let nodes = &model.stepper.problem.all.nodes;
+    let local = |name: u64| nodes.local(name).expect("a node of the rank's own cell");
+    model
+        .mesh
+        .cells
+        .iter()
+        .map(|cell| column.cell_place(*cell))
+        .filter(|place| side.cell_is_secondary(column, *place))
+        .map(|place| column.facet_nodes(side.secondary, [place.at[0], place.at[1]]))
+        .map(|names| names.into_iter().map(local).collect())
+        .collect()
+}
+
+/// Traction at every local node (Pa); where a component has no multiplier, the mean over its facets
+/// of the multipliers it was joined to. Collective.
+fn nodal_tractions(model: &Model<'_>) -> Vec<[f64; 3]> {
+    let problem: &Problem<'_> = &model.stepper.problem;
+    let (all, dim) = (&problem.all, problem.all.dim);
+    let mut traction = vec![0.0; all.nodes.len() * dim];
+    for (rows, response) in all.secondary.iter().zip(&problem.interfaces.response) {
+        traction[rows.node as usize * dim..][..dim].copy_from_slice(&response.bulk_traction[..dim]);
+    }
+    all.nodes.update_ghosts(&mut traction, dim);
+    let has_row = |node: u32, c: usize| {
+        all.secondary_of[node as usize].is_some_and(|i| all.secondary[i as usize].rows[c].is_some())
+    };
+    // Sums and counts over the facets of nodes without a multiplier.
+    let mut joined = vec![0.0; all.nodes.len() * 2 * dim];
+    for facet in (0..model.sides.len()).flat_map(|i| facets(model, i)) {
+        for c in 0..dim {
+            let kept: Vec<f64> = facet
+                .iter()
+                .filter(|n| has_row(**n, c))
+                .map(|n| traction[*n as usize * dim + c])
+                .collect();
+            if kept.is_empty() {
+                continue;
+            }
+            let mean = kept.iter().sum::<f64>() / kept.len() as f64;
+            for node in facet.iter().filter(|n| !has_row(**n, c)) {
+                joined[*node as usize * 2 * dim + c] += mean;
+                joined[*node as usize * 2 * dim + dim + c] += 1.0;
+            }
+        }
+    }
+    all.nodes.add_to_owners(&mut joined, 2 * dim);
+    let value = |node: usize, c: usize| {
+        let [sum, count] = [0, dim].map(|offset| joined[node * 2 * dim + offset + c]);
+        if count > 0.0 { sum / count } else { traction[node * dim + c] }
+    };
+    (0..all.nodes.len())
+        .map(|n| std::array::from_fn(|c| if c < dim { value(n, c) } else { 0.0 }))
+        .collect()
+}

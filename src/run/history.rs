@@ -1,0 +1,97 @@
+//! One row of `history.csv`: what is told of an accepted instant.
+
+use super::probes::Probe;
+use crate::case::Case;
+use crate::comm::Comm;
+use crate::solve::{Accepted, Model, Problem};
+
+/// The row of the instant that `model` has reached, in the order of `Case::columns`. Collective;
+/// complete on every rank.
+pub fn row(
+    case: &Case,
+    model: &Model<'_>,
+    probes: &[Probe],
+    time: f64,
+    accepted: &Accepted,
+    comm: &Comm,
+) -> Vec<Option<f64>> {
+    let problem = &model.stepper.problem;
+    let counts = [accepted.newton_iterations, accepted.linear_iterations].map(|n| Some(n as f64));
+    let mut row = vec![Some(time), Some(1.0), counts[0], counts[1]];
+    row.extend(interface_statistics(case, problem, comm));
+    let reactions = model.stepper.reactions();
+    for surface in case.supported_surfaces() {
+        let mut sum = [0.0; 3];
+        for (name, force) in &reactions {
+            if *name == surface.name() {
+                (0..3).for_each(|c| sum[c] += force[c]);
+            }
+        }
+        comm.sum(&mut sum);
+        row.extend(sum[..case.dim].iter().map(|v| Some(*v)));
+    }
+    let mut at_probes = vec![0.0; 3 * case.probes.len()];
+    for probe in probes {
+        at_probes[3 * probe.index..][..3].copy_from_slice(&probe.displacement(problem));
+    }
+    comm.sum(&mut at_probes);
+    row.extend(at_probes.chunks_exact(3).flat_map(|u| &u[..case.dim]).map(|v| Some(*v)));
+    let energy = accepted.energy;
+    row.extend([energy.elastic, energy.dissipated, energy.external].map(Some));
+    row
+}
+
+/// Minimum, maximum and weighted mean of a nodal quantity, gathered step by step.
+#[derive(Clone, Copy)]
+struct Statistic {
+    least: f64,
+    most: f64,
+    weighted: f64,
+    weight: f64,
+}
+
+impl Statistic {
+    const NONE: Self =
+        Self { least: f64::INFINITY, most: f64::NEG_INFINITY, weighted: 0.0, weight: 0.0 };
+
+    fn see(&mut self, value: f64, weight: f64) {
+        self.least = self.least.min(value);
+        self.most = self.most.max(value);
+        self.weighted += weight * value;
+        self.weight += weight;
+    }
+}
+
+/// Minimum, maximum and mean of every interface quantity. Collective.
+fn interface_statistics(case: &Case, problem: &Problem<'_>, comm: &Comm) -> Vec<Option<f64>> {
+    let dim = case.dim;
+    let per_interface = 2 * dim + 1;
+    let mut all = vec![Statistic::NONE; per_interface * case.interfaces.len()];
+    let state = &problem.interfaces;
+    for (rows, response) in problem.all.secondary.iter().zip(&state.response) {
+        let own = &mut all[rows.interface * per_interface..][..per_interface];
+        // Order of the columns: the normal component first, then x and y.
+        for (place, c) in std::iter::once(dim - 1).chain(0..dim - 1).enumerate() {
+            if let Some(row) = &rows.rows[c] {
+                own[place].see(response.bulk_traction[c], row.weight);
+                own[dim + place].see(response.jump[c], row.weight);
+            }
+        }
+        if rows.has_multiplier() {
+            let law = state.laws[rows.interface].spec.law();
+            own[2 * dim].see(law.damage(response.history), rows.law_weight(dim));
+        }
+    }
+    let mut least: Vec<f64> = all.iter().map(|s| s.least).collect();
+    let mut most: Vec<f64> = all.iter().map(|s| s.most).collect();
+    let mut sums: Vec<f64> = all.iter().flat_map(|s| [s.weighted, s.weight]).collect();
+    comm.min(&mut least);
+    comm.max(&mut most);
+    comm.sum(&mut sums);
+    let mut row = Vec::with_capacity(3 * all.len());
+    for (i, sum) in sums.chunks_exact(2).enumerate() {
+        let some = sum[1] > 0.0;
+        row.extend([least[i], most[i], sum[0] / sum[1]].map(|v| some.then_some(v)));
+    }
+    row
+}
