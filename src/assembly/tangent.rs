@@ -24,6 +24,17 @@ impl NodeState {
     /// Numbers of the packed form.
     pub const WIDTH: usize = 12;
 
+    /// Whether a preconditioner for this state serves the other one too: the same components are
+    /// stuck, and the tangent differs by less than a part of itself.
+    pub fn is_close_to(&self, other: &Self) -> bool {
+        const PART: f64 = 0.3;
+        let square = |of: &dyn Fn(usize, usize) -> f64| -> f64 {
+            (0..9).map(|i| of(i / 3, i % 3).powi(2)).sum()
+        };
+        let change = square(&|i, j| self.tangent[i][j] - other.tangent[i][j]);
+        self.stuck == other.stuck && change <= PART * PART * square(&|i, j| self.tangent[i][j])
+    }
+
     /// As numbers, for the exchange between ranks.
     pub fn pack(&self) -> [f64; Self::WIDTH] {
         std::array::from_fn(|i| {

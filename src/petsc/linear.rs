@@ -128,6 +128,18 @@ impl Ksp {
         check(code, "KSPSetTolerances")
     }
 
+    /// Whether the solver iterates, and not only applies its preconditioner.
+    pub(super) fn is_iterative(self) -> Result<bool> {
+        Ok(self.type_name()? != "preonly")
+    }
+
+    /// Makes the solve start from what its solution vector holds.
+    pub(super) fn start_from_guess(self) -> Result<()> {
+        // SAFETY: a valid solver.
+        let code = unsafe { ffi::KSPSetInitialGuessNonzero(self.raw, ffi::PETSC_TRUE) };
+        check(code, "KSPSetInitialGuessNonzero")
+    }
+
     /// Forgets preconditioner and factors; the options stay.
     pub(super) fn reset(self) -> Result<()> {
         // SAFETY: a valid solver; SNES gives it its matrix again before the next solve.

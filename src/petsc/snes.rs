@@ -67,6 +67,13 @@ pub trait NonlinearSystem {
     /// 2-norm of `f`.
     fn verdict(&mut self, iteration: usize, x: &[f64], f: &[f64], norm: f64) -> Result<Verdict>;
 
+    /// Where an iterative linear solve starts: `guess` comes in as zero, `rhs` is the right-hand
+    /// side. The rows belong to the system that `matrix` holds.
+    fn initial_guess(&mut self, matrix: &Matrix, rhs: &[f64], guess: &mut [f64]) -> Result<()> {
+        let _ = (matrix, rhs, guess);
+        Ok(())
+    }
+
     /// The tolerances of the linear solve that follows iteration `iteration`, whose residual has
     /// the given norm.
     fn linear_tolerance(&mut self, iteration: usize, norm: f64) -> LinearTolerance;
@@ -314,5 +321,11 @@ unsafe fn install<S: NonlinearSystem>(
     // SAFETY: the line search of a valid solver, the context as above.
     let code =
         unsafe { ffi::SNESLineSearchSetPreCheck(search, Some(callbacks::direction::<S>), context) };
-    check(code, "SNESLineSearchSetPreCheck")
+    check(code, "SNESLineSearchSetPreCheck")?;
+    let mut ksp = ptr::null_mut();
+    // SAFETY: a valid solver.
+    check(unsafe { ffi::SNESGetKSP(snes, &mut ksp) }, "SNESGetKSP")?;
+    // SAFETY: the linear solver of a valid solver, the context as above.
+    let code = unsafe { ffi::KSPSetPreSolve(ksp, Some(callbacks::initial_guess::<S>), context) };
+    check(code, "KSPSetPreSolve")
 }

@@ -14,3 +14,4 @@
 // bind functions: PCFactorGetMatrix PCFactorGetMatSolverType PCGetType PCGetFailedReason
 // bind functions: SNESCreate SNESDestroy SNESSetType SNESSetLagPreconditioner SNESSetFunction SNESSetJacobian SNESSetFromOptions SNESSetOptionsPrefix SNESSolve SNESGetKSP SNESGetConvergedReason SNESGetIterationNumber SNESGetLinearSolveIterations SNESSetConvergenceTest SNESSetTolerances SNESGetLineSearch SNESLineSearchSetPreCheck SNESLineSearchSetType SNESGetFunction SNESGetSolution
 // bind functions: METIS_MeshToDual METIS_PartGraphKway METIS_PartGraphRecursive METIS_SetDefaultOptions METIS_Free
+// bind functions: KSPSetPreSolve KSPSetInitialGuessNonzero

@@ -31,7 +31,6 @@ const GAMG: &[(&str, &str)] = &[
     ("pc_gamg_threshold", "0.02"),
     ("pc_gamg_agg_nsmooths", "1"),
     ("pc_gamg_coarse_eq_limit", "1000"),
-    ("pc_gamg_reuse_interpolation", "true"),
     ("mg_levels_ksp_type", "chebyshev"),
     ("mg_levels_pc_type", "jacobi"),
 ];

@@ -5,6 +5,7 @@ mod energy;
 mod interfaces;
 mod linear;
 mod problem;
+mod recycle;
 mod setup;
 mod stepping;
 

@@ -7,6 +7,7 @@
 use super::convergence::{Convergence, Worst};
 use super::interfaces::InterfaceState;
 use super::linear::LinearTarget;
+use super::recycle::Recycle;
 use crate::assembly::{CellSet, Discretization, NodeState, Tangent};
 use crate::bulk::Loads;
 use crate::comm::Comm;
@@ -41,6 +42,9 @@ pub struct Problem<'a> {
     pub balance: Vec<f64>,
     /// States with which the tangent was assembled, for all local secondary nodes.
     assembled_state: Option<Vec<NodeState>>,
+    /// States for which the preconditioner was set up.
+    preconditioned: Option<Vec<NodeState>>,
+    recycle: Recycle,
 }
 
 impl<'a> Problem<'a> {
@@ -55,6 +59,7 @@ impl<'a> Problem<'a> {
         tangent: Tangent,
         convergence: Convergence,
         linear: LinearTarget,
+        recycle: Recycle,
     ) -> Self {
         let size = all.nodes.len() * all.dim;
         Self {
@@ -70,6 +75,8 @@ impl<'a> Problem<'a> {
             bulk_force: vec![0.0; size],
             balance: vec![0.0; size],
             assembled_state: None,
+            preconditioned: None,
+            recycle,
             all,
         }
     }
@@ -125,6 +132,19 @@ impl<'a> Problem<'a> {
         all.cells.add_forces(CellSet::Layer, &v, &mut force, None);
         all.nodes.add_to_owners(&mut force, dim);
         (v, force)
+    }
+
+    /// Marks the owned components whose row is not the identity.
+    fn free_components(&self) -> Vec<bool> {
+        let (all, dim) = (&self.all, self.all.dim);
+        let prescribed = &all.prescribed[..all.nodes.owned];
+        let mut free: Vec<bool> = prescribed.iter().flat_map(|p| &p[..dim]).map(|p| !p).collect();
+        for (rows, response) in all.secondary.iter().zip(&self.interfaces.response) {
+            for c in (0..dim).filter(|c| rows.rows[*c].is_some() && response.state.stuck[*c]) {
+                free[rows.node as usize * dim + c] = false;
+            }
+        }
+        free
     }
 
     /// States of all local secondary nodes, the ghosts' from their owners. Collective.
@@ -190,13 +210,22 @@ impl NonlinearSystem for Problem<'_> {
             return Ok(TangentChange::Unchanged);
         }
         let _phase = self.timers.enter(Phase::Assembly);
-        self.tangent.assemble(&self.all, &state, matrix)?;
-        self.assembled_state = Some(state);
-        Ok(TangentChange::Changed)
+        let assembled = self.tangent.assemble(&self.all, &state, matrix);
+        self.comm.agree(assembled)?;
+        let serves = self.preconditioned.as_ref().is_some_and(|old| {
+            old.iter().zip(&state).all(|(old, new)| old.is_close_to(new))
+        });
+        self.assembled_state = Some(state.clone());
+        if self.comm.any(!serves) {
+            self.preconditioned = Some(state);
+            return Ok(TangentChange::Changed);
+        }
+        Ok(TangentChange::ChangedKeepPreconditioner)
     }
 
     fn direction(&mut self, _x: &[f64], correction: &mut [f64]) -> Result<()> {
         let (all, dim) = (&self.all, self.all.dim);
+        let recycle = &mut self.recycle;
         let mut y = vec![0.0; self.displacement.len()];
         y[..correction.len()].copy_from_slice(correction);
         all.nodes.update_ghosts(&mut y, dim);
@@ -211,7 +240,15 @@ impl NonlinearSystem for Problem<'_> {
                 }
             }
         }
+        recycle.keep(correction);
         Ok(())
+    }
+
+    fn initial_guess(&mut self, matrix: &Matrix, rhs: &[f64], guess: &mut [f64]) -> Result<()> {
+        let free = self.free_components();
+        let uncoupled = free.iter().zip(rhs).zip(guess.iter_mut()).filter(|((free, _), _)| !**free);
+        uncoupled.for_each(|((_, rhs), guess)| *guess = rhs / self.tangent.diagonal);
+        self.recycle.guess(self.comm, matrix, &free, rhs, guess)
     }
 
     fn verdict(&mut self, iteration: usize, _x: &[f64], f: &[f64], norm: f64) -> Result<Verdict> {

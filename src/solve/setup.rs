@@ -4,6 +4,7 @@ use super::convergence::Convergence;
 use super::interfaces::{InterfaceState, JointLaw};
 use super::linear::{LinearChoice, LinearTarget};
 use super::problem::Problem;
+use super::recycle::Recycle;
 use super::stepping::Stepper;
 use crate::assembly::{Cells, Discretization, Pattern, Tangent};
 use crate::bulk::{Elastic, Loads, Stiffness};
@@ -92,7 +93,8 @@ pub fn build<'a>(
     let target = LinearTarget::new(solver.tolerance);
     let x = Vector::new(&runtime.petsc, all.nodes.owned * dim, dim)?;
     let snes = Snes::new(&runtime.petsc, "", matrix, &KspSetup::new(&choice.options))?;
-    let problem = Problem::new(comm, timers, all, loads, interfaces, tangent, convergence, target);
+    let recycle = Recycle::new(&runtime.petsc, all.nodes.owned * dim, dim)?;
+    let problem = Problem::new(comm, timers, all, loads, interfaces, tangent, convergence, target, recycle);
     let stepper = Stepper::new(problem, snes, x, prescribed, case.start);
     Ok(Model { stepper, mesh, sides, choice, unknowns })
 }

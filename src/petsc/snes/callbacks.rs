@@ -106,7 +106,12 @@ pub(super) unsafe extern "C" fn tangent<S: NonlinearSystem>(
         if !context.user.preconditioner {
             // SNES decides on the preconditioner after this call, by its lag: 1 builds it again
             // each time, -1 never.
-            let lag = if change == TangentChange::Changed { 1 } else { -1 };
+            let keep = match change {
+                TangentChange::Unchanged => true,
+                TangentChange::Changed => false,
+                TangentChange::ChangedKeepPreconditioner => context.ksp.is_iterative()?,
+            };
+            let lag = if keep { -1 } else { 1 };
             // SAFETY: the solver that calls.
             let code = unsafe { ffi::SNESSetLagPreconditioner(snes, lag) };
             check(code, "SNESSetLagPreconditioner")?;
@@ -117,6 +122,30 @@ pub(super) unsafe extern "C" fn tangent<S: NonlinearSystem>(
             (!context.user.relative).then_some(tolerance.relative),
             (!context.user.absolute).then_some(tolerance.absolute),
         )
+    };
+    // SAFETY: as in `residual`.
+    unsafe { run::<S>(context, work) }
+}
+
+/// The start of an iterative linear solve. Collective.
+///
+/// # Safety
+/// As [`residual`].
+pub(super) unsafe extern "C" fn initial_guess<S: NonlinearSystem>(
+    _ksp: ffi::KSP,
+    rhs: ffi::Vec,
+    guess: ffi::Vec,
+    context: *mut c_void,
+) -> ffi::PetscErrorCode {
+    let work = |context: &mut Context<'_, S>| {
+        if !context.ksp.is_iterative()? {
+            return Ok(());
+        }
+        // SAFETY: PETSc lends two different valid vectors for the length of the call.
+        let (rhs, mut guess) = (unsafe { ReadView::new(rhs) }?, unsafe { WriteView::new(guess) }?);
+        guess.fill(0.0);
+        context.system.initial_guess(context.matrix, &rhs, &mut guess)?;
+        context.ksp.start_from_guess()
     };
     // SAFETY: as in `residual`.
     unsafe { run::<S>(context, work) }
