@@ -212,9 +212,10 @@ impl NonlinearSystem for Problem<'_> {
         let _phase = self.timers.enter(Phase::Assembly);
         let assembled = self.tangent.assemble(&self.all, &state, matrix);
         self.comm.agree(assembled)?;
-        let serves = self.preconditioned.as_ref().is_some_and(|old| {
-            old.iter().zip(&state).all(|(old, new)| old.is_close_to(new))
-        });
+        let serves = self
+            .preconditioned
+            .as_ref()
+            .is_some_and(|old| old.iter().zip(&state).all(|(old, new)| old.is_close_to(new)));
         self.assembled_state = Some(state.clone());
         if self.comm.any(!serves) {
             self.preconditioned = Some(state);

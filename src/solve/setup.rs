@@ -94,7 +94,8 @@ pub fn build<'a>(
     let x = Vector::new(&runtime.petsc, all.nodes.owned * dim, dim)?;
     let snes = Snes::new(&runtime.petsc, "", matrix, &KspSetup::new(&choice.options))?;
     let recycle = Recycle::new(&runtime.petsc, all.nodes.owned * dim, dim)?;
-    let problem = Problem::new(comm, timers, all, loads, interfaces, tangent, convergence, target, recycle);
+    let problem =
+        Problem::new(comm, timers, all, loads, interfaces, tangent, convergence, target, recycle);
     let stepper = Stepper::new(problem, snes, x, prescribed, case.start);
     Ok(Model { stepper, mesh, sides, choice, unknowns })
 }
