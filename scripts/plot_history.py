@@ -1,10 +1,16 @@
 #!/usr/bin/env python3
 """Draws an interface's normal traction over the imposed displacement, as SVG.
 
-    scripts/plot_history.py results/wtnv146 [-o docs/wtnv146.svg] [--interface joint] [--on top]
+    scripts/plot_history.py results/case [-o chart.svg] [--interface joint] [--on top]
 
 Reads history.csv and report.json of an output directory: the line is what was computed at each
-instant, the circles are the exact values that the case expects. Standard library only.
+instant, the circles are the exact values that the case expects, numbered by their instant. Standard library only.
+
+docs/wtnv146.svg is drawn from a run with more instants on the way, which shows the path between the eight:
+
+    target/release/column-hpc cases/wtnv146/case.yaml --output results/path --set output.fields=none \
+        --set "time.instants=[$(seq -s, 0.02 0.02 8)]"
+    scripts/plot_history.py results/path -o docs/wtnv146.svg
 """
 
 import argparse
@@ -26,6 +32,7 @@ text { font: 13px sans-serif; fill: #222 }
 .grid { stroke: #ddd; stroke-width: 1 }
 .path { stroke: #1f5fa8; stroke-width: 2; fill: none; stroke-linejoin: round }
 .exact { stroke: #c23b22; stroke-width: 1.5; fill: none }
+.instant { fill: #c23b22; font-weight: bold }
 """
 
 
@@ -49,7 +56,7 @@ def value_at(value, time):
 
 
 def read(directory, interface, surface):
-    """The interface's name, the path [(displacement, traction)] and the exact points, in m and Pa."""
+    """The interface's name, the path and the exact points, both [(time, displacement, traction)] in s, m, Pa."""
     with open(directory / "history.csv", newline="") as file:
         rows = list(csv.DictReader(file))
     case = json.loads((directory / "report.json").read_text())["case"]
@@ -68,9 +75,10 @@ def read(directory, interface, surface):
     if imposed is None:
         raise Wrong(f"the case prescribes no displacement z on {surface}")
     quantities = {f"{name}.normal_traction{end}" for end in ("", ".min", ".max", ".mean")}
-    path = [(value_at(imposed, float(r["time"])), float(r[f"{name}.normal_traction.mean"])) for r in rows]
+    times = [float(r["time"]) for r in rows]
+    path = [(t, value_at(imposed, t), float(r[f"{name}.normal_traction.mean"])) for t, r in zip(times, rows)]
     exact = [
-        (value_at(imposed, e["at"]), float(e["equals"]))
+        (float(e["at"]), value_at(imposed, e["at"]), float(e["equals"]))
         for e in case.get("expect") or []
         if e["quantity"] in quantities
     ]
@@ -85,10 +93,27 @@ def ticks(low, high):
     return [i * step for i in range(math.floor(low / step), math.ceil(high / step - 1e-9) + 1)]
 
 
+def labels(path, exact):
+    """For every exact point its instants in words, and whether they stand above it: where the path falls."""
+    found = {}
+    before = (0.0, 0.0, 0.0)
+    falls = {}
+    for time, u, t in path:
+        falls[time] = u > before[1] and t < before[2]
+        before = (time, u, t)
+    for time, u, t in exact:
+        place = (round(u, 9), round(t, 3))
+        texts, above = found.setdefault(place, ([], falls.get(time, False)))
+        texts.append(f"{time:g}")
+        found[place] = (texts, above)
+    return [(place, ", ".join(texts), above) for place, (texts, above) in found.items()]
+
+
 def draw(name, path, exact):
     """The chart as the text of an SVG file."""
-    points = [(u * 1e3, t / 1e6) for u, t in path]
-    circles = [(u * 1e3, t / 1e6) for u, t in exact]
+    # From the undeformed state, which history.csv leaves out.
+    points = [(0.0, 0.0)] + [(u * 1e3, t / 1e6) for _, u, t in path]
+    circles = [(u * 1e3, t / 1e6) for _, u, t in exact]
     every = points + circles + [(0.0, 0.0)]
     across = ticks(min(p[0] for p in every), max(p[0] for p in every))
     up = ticks(min(p[1] for p in every), max(p[1] for p in every))
@@ -125,16 +150,20 @@ def draw(name, path, exact):
     middle = (TOP + HEIGHT - BOTTOM) / 2
     add("text", "normal traction (MPa)", x=18, y=middle, text_anchor="middle",
         transform=f"rotate(-90 18 {middle:.2f})")
-    # From the undeformed state, which history.csv leaves out.
-    add("polyline", class_="path", points=" ".join(f"{x(u):.2f},{y(t):.2f}" for u, t in [(0.0, 0.0)] + points))
+    add("polyline", class_="path", points=" ".join(f"{x(u):.2f},{y(t):.2f}" for u, t in points))
     for u, t in circles:
         add("circle", class_="exact", cx=x(u), cy=y(t), r="5")
-    key = WIDTH - RIGHT - 190
+    for (u, t), text, above in labels(path, exact):
+        # Clear of the vertical axis on its left.
+        side, anchor = (-9, "end") if u < 0 else (9, "start")
+        add("text", text, x=x(u * 1e3) + side, y=y(t / 1e6) + (-5 if above else 16),
+            text_anchor=anchor, class_="instant")
+    key = WIDTH - RIGHT - 250
     line("path", key, TOP + 14, key + 24, TOP + 14)
     add("text", "computed", x=key + 32, y=TOP + 18)
     if circles:
         add("circle", class_="exact", cx=key + 112, cy=TOP + 14, r="5")
-        add("text", "exact", x=key + 124, y=TOP + 18)
+        add("text", "exact, at instant", x=key + 124, y=TOP + 18)
     xml.indent(svg)
     return xml.tostring(svg, encoding="unicode") + "\n"
 
@@ -166,8 +195,8 @@ class Test(unittest.TestCase):
     def test_reads_path_and_exact_points(self):
         name, path, exact = read(self.directory, None, "top")
         self.assertEqual(name, "joint")
-        self.assertEqual(path, [(-1e-3, -1e6), (1e-3, 1e6)])
-        self.assertEqual(exact, [(1e-3, 1e6)])
+        self.assertEqual(path, [(1, -1e-3, -1e6), (2, 1e-3, 1e6)])
+        self.assertEqual(exact, [(2, 1e-3, 1e6)])
 
     def test_circle_lies_on_the_line(self):
         tree = xml.fromstring(draw(*read(self.directory, None, "top")))
@@ -175,6 +204,11 @@ class Test(unittest.TestCase):
         last = tree.find(f"{space}polyline").get("points").split()[-1]
         circle = tree.find(f"{space}circle")
         self.assertEqual(last, f"{circle.get('cx')},{circle.get('cy')}")
+
+    def test_points_that_meet_share_a_label(self):
+        path = [(1, 1e-3, 1e6), (2, 2e-3, 0.0), (3, 1e-3, 1e6)]
+        found = labels(path, path)
+        self.assertEqual(found, [((1e-3, 1e6), "1, 3", False), ((2e-3, 0.0), "2", True)])
 
     def test_names_what_is_missing(self):
         with self.assertRaisesRegex(Wrong, "interfaces: joint"):

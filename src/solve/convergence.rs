@@ -127,7 +127,13 @@ impl Convergence {
                 .jump_scale()
                 .unwrap_or(displacement_scale);
             let square: f64 = response.defect.iter().map(|d| d * d).sum();
-            let relative = if square == 0.0 { 0.0 } else { square.sqrt() / scale };
+            let relative = if square == 0.0 {
+                0.0
+            } else if scale == 0.0 && square.is_finite() {
+                f64::MAX // nothing has moved yet, but something should
+            } else {
+                square.sqrt() / scale
+            };
             defect[rows.interface].see(relative, name);
             signature = signature.wrapping_add(mix(mix(name) ^ response.branch as u64));
         }

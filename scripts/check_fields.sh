@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# Runs five cases on 3 ranks and compares the fields they write, as VTK reads them, with exact values.
+#
+#     scripts/check_fields.sh                         with the reader of ParaView 5.11 (vtk 9.2.6)
+#     VTK_VERSION=newest scripts/check_fields.sh      with the newest wheel
+#
+# The wheel comes from the package index, into an environment below the target directory; where it cannot
+# be had, the check fails. COLUMN_HPC names the program; without it the release build is taken.
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+cd "$root"
+# shellcheck source=scripts/mpi_env.sh
+. scripts/mpi_env.sh
+if [ -z "${COLUMN_HPC:-}" ]; then
+    cargo build --release || exit 4
+    COLUMN_HPC="${CARGO_TARGET_DIR:-$root/target}/release/column-hpc"
+fi
+scripts/python.sh -c 'import vtkmodules' || {
+    printf 'check_fields: FAILED: there is no vtk wheel to read the fields with; the reason is above\n' >&2
+    exit 1
+}
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+directories=()
+for case in wtnv146/case wtnv146/case_2d ssnp121/case mixed_mode/case patch_bulk/case; do
+    directory="$scratch/${case//\//_}"
+    mpirun -n 3 --quiet "$COLUMN_HPC" "cases/$case.yaml" --quiet --output "$directory" || {
+        printf 'check_fields: FAILED: cases/%s.yaml ended with status %d\n' "$case" $? >&2
+        exit 1
+    }
+    directories+=("$directory")
+done
+scripts/python.sh scripts/check_fields.py "${directories[@]}"

@@ -1,0 +1,31 @@
+//! `docs/verification.md` is what the program gives now.
+
+use std::path::Path;
+use std::process::Command;
+
+/// Runs `scripts/verify.sh` with this build of the program.
+fn verify(option: &str) {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/verify.sh");
+    let output = Command::new(script)
+        .arg(option)
+        .env("COLUMN_HPC", env!("CARGO_BIN_EXE_column-hpc"))
+        .output()
+        .expect("bash and python3 run the script");
+    assert!(
+        output.status.success(),
+        "{option}: {}\n{}\n{}",
+        output.status,
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    );
+}
+
+#[test]
+fn the_page_of_verified_quantities_is_not_stale() {
+    verify("--check");
+}
+
+#[test]
+fn the_helper_hides_noise_and_shows_misses() {
+    verify("--self-test");
+}
