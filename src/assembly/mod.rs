@@ -1,14 +1,17 @@
 //! The discrete problem of one rank: cells, nodes, jump rows; forces and tangent from them.
 //!
-//! The tangent is that of the condensed form (docs/theory.md): no multipliers, and the secondary
-//! displacement eliminated where the jump is known. Its graph does not depend on the state.
+//! The usual tangent is that of the condensed form (docs/theory.md): no multipliers, and the
+//! secondary displacement eliminated where the jump is known. The saddle-point form keeps both. The
+//! graphs do not depend on the state.
 
 mod cells;
 mod pattern;
+mod saddle;
 mod tangent;
 
 pub use cells::{CellSet, Cells};
 pub use pattern::Pattern;
+pub use saddle::{LawDerivative, SaddleTangent};
 pub use tangent::{NodeState, Tangent};
 
 use crate::interface::JumpRows;
@@ -74,6 +77,24 @@ impl Discretization {
                 }
             }
         }
+    }
+
+    /// Adds the forces of tractions on the interfaces to `force` (N, `dim` numbers per local node),
+    /// which is then complete at owned nodes; `traction` gives component c at the owned secondary
+    /// node of an index (Pa). Collective.
+    pub fn add_tractions(&self, traction: impl Fn(usize, usize) -> f64, force: &mut [f64]) {
+        force[self.nodes.owned * self.dim..].fill(0.0);
+        for (index, rows) in self.secondary[..self.owned_secondary()].iter().enumerate() {
+            for (c, row) in rows.rows[..self.dim].iter().enumerate() {
+                let Some(row) = row else { continue };
+                let traction = row.weight * traction(index, c);
+                force[rows.node as usize * self.dim + c] += row.own * traction;
+                for (node, a) in &row.others {
+                    force[*node as usize * self.dim + c] += a * traction;
+                }
+            }
+        }
+        self.nodes.add_to_owners(force, self.dim);
     }
 
     fn mark_interface_cells(&mut self) {

@@ -2,6 +2,8 @@
 
 use super::Discretization;
 use crate::comm::Comm;
+use crate::space::Nodes;
+use std::ops::Range;
 
 /// Block columns of the owned block rows.
 pub struct Pattern {
@@ -18,26 +20,9 @@ impl Pattern {
     pub fn new(comm: &Comm, all: &Discretization) -> Self {
         let nodes = &all.nodes;
         let lists = local_columns(all);
-        let mut outgoing: Vec<Vec<i32>> = vec![Vec::new(); comm.size() as usize];
-        for (ghost, columns) in lists.iter().enumerate().skip(nodes.owned) {
-            let rank = nodes.ghost_owners[ghost - nodes.owned];
-            outgoing[rank].extend([nodes.numbers[ghost], columns.len() as i32]);
-            outgoing[rank].extend(columns);
-        }
-        let mut owned: Vec<Vec<i32>> = lists.into_iter().take(nodes.owned).collect();
-        for list in comm.exchange(&outgoing) {
-            let mut rest = list.as_slice();
-            while let [row, n, tail @ ..] = rest {
-                let (columns, tail) = tail.split_at(*n as usize);
-                owned[(row - nodes.first) as usize].extend(columns);
-                rest = tail;
-            }
-        }
         let mut start = vec![0u32];
         let mut columns = Vec::new();
-        for mut list in owned {
-            list.sort_unstable();
-            list.dedup();
+        for list in merge_to_owners(comm, nodes, &nodes.numbers, nodes.first, lists) {
             columns.extend(list);
             start.push(columns.len() as u32);
         }
@@ -54,21 +39,58 @@ impl Pattern {
 
     /// Blocks per owned block row whose column is owned, and is not.
     pub fn counts(&self, first_owned: i32) -> (Vec<i32>, Vec<i32>) {
-        let owned = self.start.len() as i32 - 1;
-        let own = first_owned..first_owned + owned;
-        (0..owned as usize)
-            .map(|node| {
-                let row = self.row(node);
-                let diagonal = row.iter().filter(|c| own.contains(c)).count() as i32;
-                (diagonal, row.len() as i32 - diagonal)
-            })
-            .unzip()
+        let owned = self.start.len() - 1;
+        let own = first_owned..first_owned + owned as i32;
+        count_blocks((0..owned).map(|node| self.row(node)), own)
     }
 
     /// Forgets the columns, which only the creation of the matrix needs.
     pub fn forget_columns(&mut self) {
         (self.start, self.columns) = (Vec::new(), Vec::new());
     }
+}
+
+/// Gives the owners the lists of ghosts' rows: the columns of each owned row, rising. `numbers` are
+/// those of the local nodes' rows, `first` that of the first owned one. Collective.
+pub(super) fn merge_to_owners(
+    comm: &Comm,
+    nodes: &Nodes,
+    numbers: &[i32],
+    first: i32,
+    mut lists: Vec<Vec<i32>>,
+) -> Vec<Vec<i32>> {
+    let mut outgoing: Vec<Vec<i32>> = vec![Vec::new(); comm.size() as usize];
+    for (ghost, columns) in lists.iter().enumerate().skip(nodes.owned) {
+        let rank = nodes.ghost_owners[ghost - nodes.owned];
+        outgoing[rank].extend([numbers[ghost], columns.len() as i32]);
+        outgoing[rank].extend(columns);
+    }
+    lists.truncate(nodes.owned);
+    for list in comm.exchange(&outgoing) {
+        let mut rest = list.as_slice();
+        while let [row, n, tail @ ..] = rest {
+            let (columns, tail) = tail.split_at(*n as usize);
+            lists[(row - first) as usize].extend(columns);
+            rest = tail;
+        }
+    }
+    for list in &mut lists {
+        list.sort_unstable();
+        list.dedup();
+    }
+    lists
+}
+
+/// Columns per row that lie in `own`, and that do not.
+pub(super) fn count_blocks<'r>(
+    rows: impl Iterator<Item = &'r [i32]>,
+    own: Range<i32>,
+) -> (Vec<i32>, Vec<i32>) {
+    rows.map(|row| {
+        let inside = row.iter().filter(|c| own.contains(c)).count() as i32;
+        (inside, row.len() as i32 - inside)
+    })
+    .unzip()
 }
 
 /// Block columns that this rank's cells contribute to each local node's row.

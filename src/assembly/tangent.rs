@@ -6,6 +6,7 @@
 //! an interface depend on the state; they alone are set anew when it changes.
 
 use super::{Discretization, Pattern};
+use crate::comm::Comm;
 use crate::error::Result;
 use crate::petsc::Matrix;
 
@@ -79,9 +80,10 @@ impl Tangent {
     /// of every entry of `all.secondary`. Collective.
     ///
     /// # Errors
-    /// `System` when PETSc refuses a value, for instance one outside the graph.
+    /// `System` when PETSc refuses a value, for instance one outside the graph; on all ranks.
     pub fn assemble(
         &mut self,
+        comm: &Comm,
         all: &Discretization,
         state: &[NodeState],
         matrix: &mut Matrix,
@@ -99,8 +101,24 @@ impl Tangent {
                 .collect();
             matrix.zero_rows_keep_pattern(&rows)?;
         }
+        let filled = self.fill(all, state, first_time, matrix);
+        comm.agree(filled)?;
+        let assembled = matrix.assemble();
+        comm.agree(assembled)?;
+        self.assembled = true;
+        Ok(())
+    }
+
+    /// Adds all values, or those of the interface rows. Local.
+    fn fill(
+        &self,
+        all: &Discretization,
+        state: &[NodeState],
+        every_row: bool,
+        matrix: &mut Matrix,
+    ) -> Result<()> {
         let mut work = Work::default();
-        if first_time {
+        if every_row {
             for cell in 0..all.cells.len() {
                 self.add_cell(all, state, cell, true, &mut work, matrix)?;
             }
@@ -113,10 +131,7 @@ impl Tangent {
         for (rows, state) in all.secondary[..owned].iter().zip(state) {
             add_law(all, rows, state, matrix)?;
         }
-        self.add_identity_rows(all, state, first_time, matrix)?;
-        matrix.assemble()?;
-        self.assembled = true;
-        Ok(())
+        self.add_identity_rows(all, state, every_row, matrix)
     }
 
     fn add_cell(
@@ -261,7 +276,9 @@ fn transform(
 }
 
 /// Adds the law's tangent at an owned secondary node: sum of weight a_k C a_l over its rows, and
-/// explicit zeros where the state may put a value later.
+/// explicit zeros where the state may put a value later. Beside prescribed components the weights
+/// of a node's components differ; their geometric mean keeps the tangent symmetric, at the price of
+/// more corrections there.
 fn add_law(
     all: &Discretization,
     rows: &crate::interface::JumpRows<u32>,
@@ -269,12 +286,7 @@ fn add_law(
     matrix: &mut Matrix,
 ) -> Result<()> {
     let dim = all.dim;
-    let mut nodes = vec![rows.node];
-    for (node, _) in rows.rows.iter().flatten().flat_map(|r| &r.others) {
-        if !nodes.contains(node) {
-            nodes.push(*node);
-        }
-    }
+    let nodes = rows.nodes();
     // a[c][k]: coefficient of node k in the jump of component c; 0 where it is not an unknown.
     let mut a = vec![vec![0.0; nodes.len()]; dim];
     let mut weight = [0.0; 3];
@@ -282,13 +294,8 @@ fn add_law(
         let Some(row) = &rows.rows[c] else { continue };
         weight[c] = row.weight;
         let unknown = |n: u32| !all.prescribed[n as usize][c];
-        for (k, node) in nodes.iter().enumerate() {
-            let coefficient = if k == 0 {
-                row.own
-            } else {
-                row.others.iter().find(|(n, _)| n == node).map_or(0.0, |(_, a)| *a)
-            };
-            a[c][k] = if unknown(*node) { coefficient } else { 0.0 };
+        for (k, node) in nodes.iter().enumerate().filter(|(_, n)| unknown(**n)) {
+            a[c][k] = rows.coefficient(c, *node);
         }
     }
     let width = nodes.len() * dim;

@@ -52,6 +52,28 @@ impl<N> JumpRows<N> {
     }
 }
 
+impl JumpRows<u32> {
+    /// The nodes of all rows: the secondary node, then each of the others once.
+    pub fn nodes(&self) -> Vec<u32> {
+        let mut nodes = vec![self.node];
+        for (node, _) in self.rows.iter().flatten().flat_map(|r| &r.others) {
+            if !nodes.contains(node) {
+                nodes.push(*node);
+            }
+        }
+        nodes
+    }
+
+    /// Coefficient of a node in the jump of a component, 0 where it has none.
+    pub fn coefficient(&self, component: usize, node: u32) -> f64 {
+        let Some(row) = &self.rows[component] else { return 0.0 };
+        if node == self.node {
+            return row.own;
+        }
+        row.others.iter().find(|(n, _)| *n == node).map_or(0.0, |(_, a)| *a)
+    }
+}
+
 impl JumpRows<u64> {
     /// The same rows with every name replaced.
     pub fn renamed(self, new: impl Fn(u64) -> u32) -> JumpRows<u32> {
@@ -241,8 +263,8 @@ fn fetch(
         .exchange(&wanted)
         .iter()
         .map(|list| {
-            let rows = list.iter().filter_map(|node| owned.iter().find(|r| r.node == *node));
-            rows.flat_map(pack).collect()
+            let at = |node: &u64| owned.binary_search_by_key(node, |r| r.node).ok();
+            list.iter().filter_map(at).flat_map(|at| pack(&owned[at])).collect()
         })
         .collect();
     comm.exchange(&replies).iter().flat_map(|list| unpack(list)).collect()

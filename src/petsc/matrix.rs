@@ -8,7 +8,8 @@ use super::{Petsc, Vector, ffi};
 use crate::error::{Error, Result};
 use std::ptr;
 
-/// A symmetric sparse matrix with its rows shared out over the ranks, in square blocks.
+/// A sparse matrix with its rows shared out over the ranks, in square blocks; symmetric unless
+/// [`Matrix::declare_unsymmetric`] says otherwise.
 ///
 /// Its pattern is fixed by the first assembly, which therefore visits every entry that will ever be
 /// used (adding 0 counts). An entry outside the pattern is an error afterwards.
@@ -90,6 +91,19 @@ impl Matrix {
             check(unsafe { ffi::MatSetOption(raw, option, ffi::PETSC_TRUE) }, "MatSetOption")?;
         }
         Ok(matrix)
+    }
+
+    /// Takes back that the matrix is symmetric. Collective, before the first values.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn declare_unsymmetric(&mut self) -> Result<()> {
+        for option in [ffi::MAT_SYMMETRY_ETERNAL, ffi::MAT_SYMMETRIC] {
+            // SAFETY: a valid matrix with its type set.
+            let code = unsafe { ffi::MatSetOption(self.raw, option, ffi::PETSC_FALSE) };
+            check(code, "MatSetOption")?;
+        }
+        Ok(())
     }
 
     /// The handle, for the other files of the fence. Local.

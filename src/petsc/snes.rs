@@ -46,7 +46,7 @@ pub struct LinearTolerance {
     pub absolute: f64,
 }
 
-/// A system f(x) = 0 with a sparse symmetric tangent. All methods are called collectively; slices
+/// A system f(x) = 0 with a sparse tangent. All methods are called collectively; slices
 /// hold the entries that this rank owns.
 ///
 /// An `Err` has to be agreed on: either every rank returns it or none (see

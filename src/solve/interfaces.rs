@@ -1,7 +1,7 @@
 //! The state of the secondary nodes: tractions, jumps, branches and history.
 
 use crate::assembly::{Discretization, NodeState};
-use crate::interface::JumpRows;
+use crate::interface::{JumpRow, JumpRows};
 use crate::law::{Branch, LawSpec, Response};
 
 /// What the law of one secondary node answers, by displacement component.
@@ -17,6 +17,8 @@ pub struct NodeResponse {
     pub law_traction: [f64; 3],
     /// What the tangent needs.
     pub state: NodeState,
+    /// Derivative of the law's jump by the augmented traction (m/Pa).
+    pub compliance: [[f64; 3]; 3],
     /// The regime.
     pub branch: Branch,
     /// Largest equivalent jump including this state (m).
@@ -51,15 +53,21 @@ impl InterfaceState {
             defect: [0.0; 3],
             law_traction: [0.0; 3],
             state: NodeState::STUCK,
+            compliance: [[0.0; 3]; 3],
             branch: Branch::Stick,
             history: 0.0,
         };
         Self { dim, laws, committed: vec![0.0; owned], response: vec![rest; owned] }
     }
 
-    /// Evaluates the laws: `u` and the out-of-balance force of the bulk, `dim` numbers per local
-    /// node (`force` complete at owned nodes). Local.
-    pub fn evaluate(&mut self, all: &Discretization, u: &[f64], force: &[f64]) {
+    /// Evaluates the laws at the displacements `u`, `dim` numbers per local node; `given` is the
+    /// traction of a row of the jump (Pa), by index of the secondary node and component. Local.
+    pub fn evaluate(
+        &mut self,
+        all: &Discretization,
+        u: &[f64],
+        given: impl Fn(usize, usize, &JumpRow<u32>) -> f64,
+    ) {
         let dim = self.dim;
         for index in 0..self.response.len() {
             let rows = &all.secondary[index];
@@ -68,7 +76,7 @@ impl InterfaceState {
             for c in 0..dim {
                 if let Some(row) = &rows.rows[c] {
                     let at = |node: u32| u[node as usize * dim + c];
-                    traction[c] = -force[rows.node as usize * dim + c] / (row.weight * row.own);
+                    traction[c] = given(index, c, row);
                     jump[c] = row.own * at(rows.node)
                         + row.others.iter().map(|(n, a)| a * at(*n)).sum::<f64>();
                 }
@@ -104,6 +112,7 @@ fn combine(
 ) -> NodeResponse {
     let (mut defect, mut law_traction) = ([0.0; 3], [0.0; 3]);
     let mut state = NodeState { stuck: [false; 3], tangent: [[0.0; 3]; 3] };
+    let mut compliance = [[0.0; 3]; 3];
     let active = |c: usize| c < dim && rows.rows[c].is_some();
     for c in (0..dim).filter(|c| active(*c)) {
         let local = local_index(c, dim);
@@ -111,6 +120,7 @@ fn combine(
         defect[c] = jump[c] - answer.jump[local];
         for d in (0..dim).filter(|d| active(*d)) {
             state.tangent[c][d] = answer.tangent[local][local_index(d, dim)];
+            compliance[c][d] = answer.compliance[local][local_index(d, dim)];
         }
     }
     for c in (0..dim).filter(|c| active(*c)) {
@@ -130,6 +140,7 @@ fn combine(
         defect,
         law_traction,
         state,
+        compliance,
         branch: answer.branch,
         history: answer.history,
     }

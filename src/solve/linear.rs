@@ -1,6 +1,6 @@
 //! The linear solver: presets, the choice between them, and how far systems are solved.
 
-use crate::case::{Case, Linear};
+use crate::case::{Case, Form, Linear};
 use crate::mesh::Column;
 use crate::petsc::LinearTolerance;
 
@@ -19,6 +19,14 @@ pub struct LinearChoice {
 const MUMPS: &[(&str, &str)] = &[
     ("ksp_type", "preonly"),
     ("pc_type", "cholesky"),
+    ("pc_factor_mat_solver_type", "mumps"),
+    ("mat_mumps_icntl_14", "40"),
+];
+
+/// LU for the saddle-point form, whose tangent is not symmetric.
+const MUMPS_LU: &[(&str, &str)] = &[
+    ("ksp_type", "preonly"),
+    ("pc_type", "lu"),
     ("pc_factor_mat_solver_type", "mumps"),
     ("mat_mumps_icntl_14", "40"),
 ];
@@ -60,6 +68,10 @@ const STRETCH_LIMIT: f64 = 3.0;
 impl LinearChoice {
     /// The preset the case names, or the one that suits the size and shape of the problem.
     pub fn new(case: &Case, column: &Column) -> Self {
+        if case.solver.form == Form::SaddlePoint {
+            let why = "form: saddle_point, whose tangent is not symmetric: LU".into();
+            return Self { preset: "mumps", why, options: MUMPS_LU.to_vec() };
+        }
         match case.solver.linear {
             Linear::Mumps => Self::named("mumps", "asked for".into()),
             Linear::Gamg => Self::named("gamg", "asked for".into()),

@@ -6,6 +6,7 @@ mod interfaces;
 mod linear;
 mod problem;
 mod recycle;
+mod saddle;
 mod setup;
 mod stepping;
 

@@ -19,7 +19,7 @@ use crate::timers::{Phase, Timers};
 pub struct Problem<'a> {
     /// The communicator of all collective calls.
     pub comm: &'a Comm,
-    timers: &'a Timers,
+    pub(super) timers: &'a Timers,
     /// Cells, nodes, rows.
     pub all: Discretization,
     /// Loads on the bulk.
@@ -96,7 +96,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Forces of the bulk at `u`; largest magnitude of the cells' nodal forces on any rank.
-    fn evaluate_bulk(&mut self, x: &[f64]) {
+    pub(super) fn evaluate_bulk(&mut self, x: &[f64]) {
         let (nodes, dim) = (&self.all.nodes, self.all.dim);
         self.displacement[..x.len()].copy_from_slice(x);
         nodes.update_ghosts(&mut self.displacement, dim);
@@ -166,25 +166,26 @@ impl NonlinearSystem for Problem<'_> {
     fn residual(&mut self, x: &[f64], f: &mut [f64]) -> Result<()> {
         let _phase = self.timers.enter(Phase::Assembly);
         self.evaluate_bulk(x);
-        self.interfaces.evaluate(&self.all, &self.displacement, &self.bulk_force);
-        let (known, known_force) = self.known_jumps();
         let (all, dim) = (&self.all, self.all.dim);
+        // In equilibrium with the bulk at every iterate.
+        self.interfaces.evaluate(all, &self.displacement, |index, c, row| {
+            let own = all.secondary[index].node as usize * dim + c;
+            -self.bulk_force[own] / (row.weight * row.own)
+        });
+        let (known, known_force) = self.known_jumps();
+        let (all, response) = (&self.all, &self.interfaces.response);
         self.balance.fill(0.0);
-        for (rows, response) in all.secondary.iter().zip(&self.interfaces.response) {
-            for c in 0..dim {
-                let Some(row) = &rows.rows[c] else { continue };
-                let own = rows.node as usize * dim + c;
-                let mut traction = response.law_traction[c];
-                if response.state.stuck[c] {
-                    traction += known_force[own] / (row.weight * row.own);
+        let traction = |index: usize, c: usize| {
+            let (rows, response) = (&all.secondary[index], &response[index]);
+            match &rows.rows[c] {
+                Some(row) if response.state.stuck[c] => {
+                    let own = rows.node as usize * dim + c;
+                    response.law_traction[c] + known_force[own] / (row.weight * row.own)
                 }
-                self.balance[own] += row.weight * row.own * traction;
-                for (node, a) in &row.others {
-                    self.balance[*node as usize * dim + c] += row.weight * a * traction;
-                }
+                _ => response.law_traction[c],
             }
-        }
-        all.nodes.add_to_owners(&mut self.balance, dim);
+        };
+        all.add_tractions(traction, &mut self.balance);
         for (i, value) in f.iter_mut().enumerate() {
             self.balance[i] += self.bulk_force[i];
             *value = self.balance[i] - known_force[i];
@@ -210,8 +211,7 @@ impl NonlinearSystem for Problem<'_> {
             return Ok(TangentChange::Unchanged);
         }
         let _phase = self.timers.enter(Phase::Assembly);
-        let assembled = self.tangent.assemble(&self.all, &state, matrix);
-        self.comm.agree(assembled)?;
+        self.tangent.assemble(self.comm, &self.all, &state, matrix)?;
         let serves = self
             .preconditioned
             .as_ref()

@@ -5,10 +5,11 @@ use super::interfaces::{InterfaceState, JointLaw};
 use super::linear::{LinearChoice, LinearTarget};
 use super::problem::Problem;
 use super::recycle::Recycle;
+use super::saddle::SaddlePoint;
 use super::stepping::Stepper;
-use crate::assembly::{Cells, Discretization, Pattern, Tangent};
+use crate::assembly::{Cells, Discretization, Pattern, SaddleTangent, Tangent};
 use crate::bulk::{Elastic, Loads, Stiffness};
-use crate::case::Case;
+use crate::case::{Case, Form};
 use crate::error::{Error, Result};
 use crate::interface::{Sides, jump_rows};
 use crate::mesh::{LocalMesh, axes};
@@ -76,9 +77,17 @@ pub fn build<'a>(
     }
 
     let pattern = Pattern::new(comm, &all);
-    let (diagonal, off_diagonal) = pattern.counts(all.nodes.first);
-    let mut matrix =
-        Matrix::new(&runtime.petsc, all.nodes.owned * dim, dim, &diagonal, &off_diagonal)?;
+    let saddle = (case.solver.form == Form::SaddlePoint)
+        .then(|| SaddleTangent::new(comm, &all, largest_diagonal));
+    let (diagonal, off_diagonal) = match &saddle {
+        None => pattern.counts(all.nodes.first),
+        Some(saddle) => saddle.counts(comm, &all),
+    };
+    let rows = diagonal.len() * dim;
+    let mut matrix = Matrix::new(&runtime.petsc, rows, dim, &diagonal, &off_diagonal)?;
+    if saddle.is_some() {
+        matrix.declare_unsymmetric()?;
+    }
     let choice = LinearChoice::new(case, &mesh.column);
     if choice.preset == "gamg" {
         set_rigid_motions(runtime, &mesh, &all, &mut matrix)?;
@@ -91,12 +100,13 @@ pub fn build<'a>(
     let solver = &case.solver;
     let convergence = Convergence::new(solver.tolerance, solver.max_newton, &mesh.column, names);
     let target = LinearTarget::new(solver.tolerance);
-    let x = Vector::new(&runtime.petsc, all.nodes.owned * dim, dim)?;
+    let x = Vector::new(&runtime.petsc, rows, dim)?;
     let snes = Snes::new(&runtime.petsc, "", matrix, &KspSetup::new(&choice.options))?;
     let recycle = Recycle::new(&runtime.petsc, all.nodes.owned * dim, dim)?;
     let problem =
         Problem::new(comm, timers, all, loads, interfaces, tangent, convergence, target, recycle);
-    let stepper = Stepper::new(problem, snes, x, prescribed, case.start);
+    let saddle = saddle.map(SaddlePoint::new);
+    let stepper = Stepper::new(problem, snes, saddle, x, prescribed, case.start);
     Ok(Model { stepper, mesh, sides, choice, unknowns })
 }
 

@@ -2,6 +2,7 @@
 
 use super::energy::{Energy, Work};
 use super::problem::Problem;
+use super::saddle::{SaddlePoint, SaddleSystem};
 use crate::error::{Error, Result};
 use crate::petsc::{Snes, SolveReport, Vector};
 use crate::space::Prescribed;
@@ -28,6 +29,9 @@ pub struct Stepper<'a> {
     pub problem: Problem<'a>,
     /// The nonlinear solver.
     pub snes: Snes,
+    /// Set in the saddle-point form.
+    saddle: Option<SaddlePoint>,
+    /// The unknowns, the displacements first.
     x: Vector,
     prescribed: Prescribed,
     work: Work,
@@ -40,12 +44,13 @@ impl<'a> Stepper<'a> {
     pub fn new(
         problem: Problem<'a>,
         snes: Snes,
+        saddle: Option<SaddlePoint>,
         x: Vector,
         prescribed: Prescribed,
         start: f64,
     ) -> Self {
         let work = Work::new(problem.all.nodes.owned * problem.all.dim);
-        Self { problem, snes, x, prescribed, work, time: start, energy: Energy::default() }
+        Self { problem, snes, saddle, x, prescribed, work, time: start, energy: Energy::default() }
     }
 
     /// Solves for the state at `instant`. A step that fails is halved; the instant itself is
@@ -111,7 +116,10 @@ impl<'a> Stepper<'a> {
         let written = self.write_prescribed(target);
         self.problem.comm.agree(written)?;
         self.problem.convergence.start();
-        self.snes.solve(&mut self.problem, &mut self.x)
+        let problem = &mut self.problem;
+        let Some(form) = &mut self.saddle else { return self.snes.solve(problem, &mut self.x) };
+        form.start(problem, &mut self.x)?;
+        self.snes.solve(&mut SaddleSystem { problem, form }, &mut self.x)
     }
 
     fn write_prescribed(&mut self, time: f64) -> Result<()> {

@@ -98,12 +98,7 @@ impl<'a> Directory<'a> {
 
     /// The rank that keeps the entry of a name.
     fn keeper(&self, name: u64) -> usize {
-        let ranks = self.comm.size() as u64;
-        let guess = (u128::from(name) * u128::from(ranks) / u128::from(self.total)) as u64;
-        let candidates = [guess + 1, guess];
-        let keeper =
-            candidates.into_iter().find(|r| *r < ranks && first_of(*r, self.total, ranks) <= name);
-        keeper.unwrap_or(guess.saturating_sub(1)) as usize
+        keeper_of(name, self.total, self.comm.size() as u64) as usize
     }
 
     /// Names by keeper, in the order of `names`.
@@ -129,7 +124,28 @@ impl<'a> Directory<'a> {
     }
 }
 
+/// The last rank whose first name is not above `name`: floor(r total / ranks) <= name.
+fn keeper_of(name: u64, total: u64, ranks: u64) -> u64 {
+    (((u128::from(name) + 1) * u128::from(ranks) - 1) / u128::from(total)) as u64
+}
+
 /// First name whose entry rank `rank` keeps.
 fn first_of(rank: u64, total: u64, ranks: u64) -> u64 {
     (u128::from(rank) * u128::from(total) / u128::from(ranks)) as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_has_its_keeper() {
+        for (total, ranks) in [(8, 20), (8, 3), (8, 8), (1000, 7), (12, 13), (u64::MAX / 2, 4096)] {
+            for name in (0..total.min(1000)).chain(total - total.min(5)..total) {
+                let keeper = keeper_of(name, total, ranks);
+                let range = first_of(keeper, total, ranks)..first_of(keeper + 1, total, ranks);
+                assert!(keeper < ranks && range.contains(&name), "{name} of {total} on {ranks}");
+            }
+        }
+    }
 }

@@ -1,0 +1,125 @@
+//! The saddle-point form as PETSc's SNES sees it: a cross-check of the condensed form.
+//!
+//! Unknowns are the displacements of all nodes and the multipliers of the secondary nodes, scaled
+//! as [`SaddleTangent`] says. Newton's method is the same as that of the condensed form, since
+//! equilibrium is linear: after a correction the multipliers are those that the bulk transmits.
+
+use super::convergence::Worst;
+use super::problem::Problem;
+use crate::assembly::{LawDerivative, SaddleTangent};
+use crate::error::Result;
+use crate::petsc::{LinearTolerance, Matrix, NonlinearSystem, TangentChange, Vector, Verdict};
+use crate::timers::Phase;
+
+/// What the saddle-point form has beside the problem.
+pub struct SaddlePoint {
+    tangent: SaddleTangent,
+    /// Derivatives with which the tangent was assembled, at owned secondary nodes.
+    assembled: Option<Vec<LawDerivative>>,
+}
+
+impl SaddlePoint {
+    /// Nothing is assembled yet.
+    pub fn new(tangent: SaddleTangent) -> Self {
+        Self { tangent, assembled: None }
+    }
+
+    /// Sets the multipliers in `x` to what the bulk transmits at its displacements: the state from
+    /// which the condensed form starts too. Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn start(&self, problem: &mut Problem<'_>, x: &mut Vector) -> Result<()> {
+        let mut x = problem.comm.agree(x.write())?;
+        let dim = problem.all.dim;
+        let (u, multipliers) = x.split_at_mut(problem.all.nodes.owned * dim);
+        problem.evaluate_bulk(u);
+        for (rows, own) in problem.all.secondary.iter().zip(multipliers.chunks_exact_mut(dim)) {
+            for (c, row) in rows.rows[..dim].iter().enumerate() {
+                let force = problem.bulk_force[rows.node as usize * dim + c];
+                own[c] = row.as_ref().map_or(0.0, |row| -force / (row.own * self.tangent.scale));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A problem in the saddle-point form.
+pub(super) struct SaddleSystem<'s, 'a> {
+    pub(super) problem: &'s mut Problem<'a>,
+    pub(super) form: &'s mut SaddlePoint,
+}
+
+impl NonlinearSystem for SaddleSystem<'_, '_> {
+    fn residual(&mut self, x: &[f64], f: &mut [f64]) -> Result<()> {
+        let problem = &mut *self.problem;
+        let _phase = problem.timers.enter(Phase::Assembly);
+        let (dim, scale) = (problem.all.dim, self.form.tangent.scale);
+        let (u, multipliers) = x.split_at(problem.all.nodes.owned * dim);
+        problem.evaluate_bulk(u);
+        problem.interfaces.evaluate(&problem.all, &problem.displacement, |index, c, row| {
+            multipliers[index * dim + c] * scale / row.weight
+        });
+        let (all, response) = (&problem.all, &problem.interfaces.response);
+        let (f, law) = f.split_at_mut(u.len());
+        let mut force = problem.bulk_force.clone();
+        all.add_tractions(|index, c| response[index].bulk_traction[c], &mut force);
+        f.copy_from_slice(&force[..f.len()]);
+        for node in 0..all.nodes.owned {
+            for c in (0..dim).filter(|c| all.prescribed[node][*c]) {
+                f[node * dim + c] = 0.0;
+            }
+        }
+        for (own, response) in law.chunks_exact_mut(dim).zip(response) {
+            own.iter_mut().zip(response.defect).for_each(|(f, defect)| *f = scale * defect);
+        }
+        problem.balance.copy_from_slice(&problem.bulk_force);
+        all.add_tractions(|index, c| response[index].law_traction[c], &mut problem.balance);
+        Ok(())
+    }
+
+    fn tangent(&mut self, _x: &[f64], matrix: &mut Matrix) -> Result<TangentChange> {
+        let problem = &*self.problem;
+        let derivative =
+            |(rows, response): (&crate::interface::JumpRows<u32>, &super::NodeResponse)| {
+                let augmentation = problem.interfaces.laws[rows.interface].augmentation;
+                LawDerivative { compliance: response.compliance, augmentation }
+            };
+        let law: Vec<LawDerivative> = problem
+            .all
+            .secondary
+            .iter()
+            .zip(&problem.interfaces.response)
+            .map(derivative)
+            .collect();
+        if !problem.comm.any(self.form.assembled.as_ref() != Some(&law)) {
+            return Ok(TangentChange::Unchanged);
+        }
+        let _phase = problem.timers.enter(Phase::Assembly);
+        self.form.tangent.assemble(problem.comm, &problem.all, &law, matrix)?;
+        self.form.assembled = Some(law);
+        Ok(TangentChange::Changed)
+    }
+
+    fn direction(&mut self, _x: &[f64], _correction: &mut [f64]) -> Result<()> {
+        Ok(())
+    }
+
+    /// Equilibrium is judged with the law's tractions, as in the condensed form: with the
+    /// multipliers it holds after every correction.
+    fn verdict(&mut self, iteration: usize, _x: &[f64], _f: &[f64], norm: f64) -> Result<Verdict> {
+        let problem = &mut *self.problem;
+        let (all, dim) = (&problem.all, problem.all.dim);
+        let mut worst = Worst::default();
+        for node in 0..all.nodes.owned {
+            let force = problem.balance[node * dim..][..dim].iter().zip(all.prescribed[node]);
+            let free = force.filter(|(_, prescribed)| !prescribed);
+            worst.see(free.map(|(f, _)| f * f).sum::<f64>().sqrt(), all.nodes.names[node]);
+        }
+        problem.convergence.judge(problem.comm, all, &problem.interfaces, iteration, norm, worst)
+    }
+
+    fn linear_tolerance(&mut self, _iteration: usize, norm: f64) -> LinearTolerance {
+        self.problem.linear.tolerance(norm, self.problem.convergence.accepted_force())
+    }
+}
