@@ -20,7 +20,7 @@ const MUMPS: &[(&str, &str)] = &[
     ("ksp_type", "preonly"),
     ("pc_type", "cholesky"),
     ("pc_factor_mat_solver_type", "mumps"),
-    ("mat_mumps_icntl_14", "40"),
+    ("mat_mumps_icntl_14", "100"),
 ];
 
 /// LU for the saddle-point form, whose tangent is not symmetric.
@@ -39,6 +39,9 @@ const GAMG: &[(&str, &str)] = &[
     ("pc_gamg_threshold", "0.02"),
     ("pc_gamg_agg_nsmooths", "1"),
     ("pc_gamg_coarse_eq_limit", "1000"),
+    // Eigenvalues must not outlive their matrix: with those of another branch of the laws the
+    // smoother can become indefinite.
+    ("pc_gamg_use_sa_esteig", "false"),
     ("mg_levels_ksp_type", "chebyshev"),
     ("mg_levels_pc_type", "jacobi"),
 ];

@@ -95,7 +95,7 @@ impl<'a> Problem<'a> {
         self.comm.agree(added)
     }
 
-    /// Forces of the bulk at `u`; largest magnitude of the cells' nodal forces on any rank.
+    /// Forces of the bulk at `u`, and the magnitudes of nodal forces and loads. Collective.
     pub(super) fn evaluate_bulk(&mut self, x: &[f64]) {
         let (nodes, dim) = (&self.all.nodes, self.all.dim);
         self.displacement[..x.len()].copy_from_slice(x);
@@ -110,6 +110,13 @@ impl<'a> Problem<'a> {
         );
         nodes.add_to_owners(&mut self.bulk_force, dim);
         nodes.add_to_owners(&mut magnitude, 1);
+        // Loads count too: they may leave the bulk without any force of its own.
+        let mut load = self.load.clone();
+        nodes.add_to_owners(&mut load, dim);
+        for (magnitude, load) in magnitude.iter_mut().zip(load.chunks_exact(dim)) {
+            let length = load.iter().map(|l| l * l).sum::<f64>().sqrt();
+            *magnitude = magnitude.max(length);
+        }
         self.convergence.see_forces(&magnitude[..nodes.owned], &self.displacement[..x.len()]);
     }
 

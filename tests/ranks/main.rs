@@ -11,6 +11,7 @@ mod comm;
 mod common;
 mod linear_algebra;
 mod newton;
+mod tangent;
 
 use column_hpc::runtime::Runtime;
 use std::process::Output;
@@ -38,6 +39,7 @@ const TESTS: &[Test] = &[
     ("not_a_number_in_words", newton::not_a_number_in_words),
     ("user_options_win", newton::user_options_win),
     ("unused_options_are_found", newton::unused_options_are_found),
+    ("tangent_by_differences", tangent::tangent_by_differences),
     ("log_stages", linear_algebra::log_stages),
 ];
 

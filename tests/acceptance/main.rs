@@ -1,0 +1,14 @@
+//! The program against exact answers, itself on other ranks, and the balance of energy.
+
+#[path = "../common/mod.rs"]
+#[allow(dead_code)] // this program uses a part of it
+mod common;
+mod energy;
+mod fluid;
+mod patches;
+mod ranks;
+mod reference;
+mod refinement;
+mod scene;
+mod shipped;
+mod units;

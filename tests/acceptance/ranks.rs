@@ -1,0 +1,162 @@
+//! The same numbers on any number of ranks, with any solver, however the cells are shared out.
+
+use crate::scene::{Run, Scene};
+
+/// The column of the reference with lateral contraction and, in `top`, what moves its top.
+fn column(name: &str, poisson_ratio: f64, top: &str, instants: &str) -> Scene {
+    let yaml = format!(
+        "
+mesh: {{column: {{size: [1.0, 1.0, 5.0], cells: [6, 6, 30]}}}}
+materials: {{rock: {{elastic: {{young_modulus: 5.8e9, poisson_ratio: {poisson_ratio}}}}}}}
+interfaces:
+  - {{name: joint, z: 2.5, law: {{linear_softening: {{strength: 1.1e6, fracture_energy: 900.0}}}}}}
+boundary:
+  - {{on: bottom, displacement: {{x: 0, y: 0, z: 0}}}}
+  - {{on: top, displacement: {top}}}
+time: {{instants: {instants}}}
+probes: [{{name: off_axis, at: [0.21, 0.83, 3.1]}}]
+"
+    );
+    Scene::new(name, &yaml)
+}
+
+fn contracting() -> Scene {
+    let z = "{table: [[0, 0], [1, -1.0e-4], [2, 1.0e-4], [3, 1.0e-3], [4, 5.0e-4], [5, 1.2e-3], \
+             [6, 1.7e-3], [7, 1.7e-3], [8, -1.0e-4]]}";
+    let top = format!("{{x: {{table: [[6, 0], [7, 1.0e-3], [8, 0]]}}, y: 0, z: {z}}}");
+    column("contracting", 0.25, &top, "[1, 2, 3, 4, 5, 6, 7, 8]")
+}
+
+/// Opens unevenly up to the fourth instant, then closes again.
+fn tilting() -> Scene {
+    let top = "{x: 0, y: 0, z: {formula: \"3e-4*min(t, 8-t)*(1 + 0.4*(x-0.5) + 0.2*(y-0.5))\"}}";
+    column("tilting", 0.25, top, "[1, 2, 3, 4, 5, 6]")
+}
+
+/// The largest of the two errors after every correction, instant by instant.
+fn convergence(run: &Run) -> Vec<Vec<f64>> {
+    let mut instants: Vec<Vec<f64>> = Vec::new();
+    for line in run.screen.lines().filter(|l| l.trim_start().starts_with("correction")) {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let after = |word| {
+            let at = words.iter().position(|w| *w == word).expect("the line names what it holds");
+            words[at + 1].parse::<f64>().expect("a number")
+        };
+        if words[1] == "0" {
+            instants.push(Vec::new());
+        }
+        let errors = instants.last_mut().expect("the first line of an instant is correction 0");
+        errors.push(after("balance").max(after("jumps")));
+    }
+    instants
+}
+
+/// The last correction gains at least three digits: quadratic, or finite where the law is piecewise
+/// linear. A tangent that is not consistent gains one at best.
+fn assert_quadratic(run: &Run) {
+    let instants = convergence(run);
+    assert_eq!(instants.len(), run.table.rows.len(), "{}", run.label);
+    for errors in instants {
+        if let [.., before, last] = errors[..] {
+            assert!(last <= 1e-3 * before, "{}: {errors:?}", run.label);
+        }
+    }
+}
+
+fn the_same_everywhere(scene: &Scene) {
+    let with = |solver: &str, ranks| scene.set(&format!("solver.linear={solver}")).on(ranks);
+    let one = with("mumps", 1);
+    assert_quadratic(&one);
+    for ranks in 2..=4 {
+        let run = with("mumps", ranks);
+        one.assert_same(&run, 1e-8);
+        assert_quadratic(&run);
+    }
+    for (solver, ranks) in [("gamg", [1, 3]), ("hypre", [2, 4])] {
+        for ranks in ranks {
+            one.assert_same(&with(solver, ranks), 1e-8);
+        }
+    }
+}
+
+#[test]
+fn column_with_lateral_contraction() {
+    the_same_everywhere(&contracting());
+}
+
+#[test]
+fn column_with_a_tilting_top() {
+    the_same_everywhere(&tilting());
+}
+
+/// A flat block whose top slides and tilts: a part of the interface opens, a part stays pressed
+/// together, and all of it slides. With 0.5 m of rock on either side the bulk is stiffer than the
+/// softening slope, so that the solution is unique.
+fn block(bodies: &str) -> Scene {
+    let yaml = format!(
+        "
+mesh: {{column: {{size: [4.0, 4.0, 1.0], {bodies}}}}}
+materials: {{rock: {{elastic: {{young_modulus: 5.8e9, poisson_ratio: 0.3}}}}}}
+interfaces:
+  - {{name: joint, z: 0.5, law: {{linear_softening: {{strength: 1.1e6, fracture_energy: 900.0}}}}}}
+boundary:
+  - {{on: bottom, displacement: {{x: 0, y: 0, z: 0}}}}
+  - on: top
+    displacement:
+      x: {{formula: \"2.5e-4*min(t, 4-t)\"}}
+      y: {{formula: \"1e-4*min(t, 4-t)\"}}
+      z: {{formula: \"2e-4*min(t, 4-t)*(0.4 + 0.4*(x-2) + 0.1*(y-2))\"}}
+time: {{instants: [1, 2, 3]}}
+probes: [{{name: inside, at: [1.3, 2.9, 0.4]}}]
+"
+    );
+    Scene::new("block", &yaml)
+}
+
+/// `metis`: the numbers of ranks for which METIS cuts the mesh too.
+fn on_cut_interfaces(bodies: &str, metis: &[usize]) {
+    let scene = block(bodies);
+    let one = scene.on(1);
+    let least = one.column("joint.damage.min");
+    let most = one.column("joint.damage.max");
+    assert!(least[1] < most[1] && most[1] > 0.05 && most[1] < 1.0, "damage {least:?} {most:?}");
+    for ranks in [2, 3, 4, 7] {
+        let scattered = scene.scattered().on(ranks);
+        one.assert_same(&scattered, 1e-8);
+        let partition = &scattered.report["partition"];
+        let nodes = partition["interface_nodes"].as_array().expect("a list");
+        assert_eq!(nodes.len(), ranks, "{partition}");
+        assert!(nodes.iter().all(|n| n.as_u64() > Some(0)), "{partition}");
+        assert!(partition["cut_pairs"].as_u64() > Some(0), "{partition}");
+        if metis.contains(&ranks) {
+            let metis = scene.on(ranks);
+            one.assert_same(&metis, 1e-8);
+            let kept = &metis.report["partition"]["cut_pairs"];
+            assert!(kept.as_u64() < partition["cut_pairs"].as_u64(), "{kept} {partition}");
+        }
+    }
+}
+
+#[test]
+fn matching_block_with_a_scattered_partition() {
+    on_cut_interfaces("cells: [16, 16, 4]", &[2, 3, 4, 7]);
+}
+
+#[test]
+fn block_2_against_3_with_a_scattered_partition() {
+    on_cut_interfaces("bodies: [{cells: [10, 10, 2]}, {cells: [15, 15, 2]}]", &[4]);
+}
+
+#[test]
+fn block_11_against_12_with_a_scattered_partition() {
+    on_cut_interfaces("bodies: [{cells: [11, 11, 2]}, {cells: [12, 12, 2]}]", &[3]);
+}
+
+#[test]
+fn multigrid_on_a_scattered_partition() {
+    let scene = block("bodies: [{cells: [8, 8, 2]}, {cells: [12, 12, 2]}]").scattered();
+    let direct = scene.set("solver.linear=mumps").on(3);
+    for solver in ["gamg", "hypre"] {
+        direct.assert_same(&scene.set(&format!("solver.linear={solver}")).on(3), 1e-8);
+    }
+}

@@ -1,0 +1,69 @@
+//! WTNV146: the reference problem on every number of ranks and with every solver.
+
+use crate::scene::{SOLVERS, Scene};
+
+/// Exact normal tractions: one-dimensional column in series with the law.
+const TRACTION: [f64; 8] = [
+    -116000.0,
+    116000.0,
+    1017312.0728929382,
+    508656.0364464691,
+    697585.4214123009,
+    0.0,
+    0.0,
+    -116000.0,
+];
+
+fn check(case: &str, cells: &str, dim: usize) {
+    for solver in SOLVERS {
+        for ranks in 1..=4 {
+            let run = Scene::shipped(case)
+                .set(&format!("mesh.column.cells={cells}"))
+                .set(&format!("solver.linear={solver}"))
+                .on(ranks);
+            assert_eq!(run.report["linear_solver"]["choice"], solver, "{}", run.label);
+            for (row, exact) in TRACTION.iter().enumerate() {
+                let absolute = if *exact == 0.0 { 1e-3 } else { 0.0 };
+                for which in ["min", "max"] {
+                    let value = run.column(&format!("joint.normal_traction.{which}"))[row];
+                    assert!(
+                        (value - exact).abs() <= absolute + 1e-9 * exact.abs(),
+                        "{}: normal traction {which} at {} is {value:e}, exact {exact:e}",
+                        run.label,
+                        row + 1
+                    );
+                }
+            }
+            run.assert_column("joint.shear_traction_x", &[0.0; 8], 0.0, 1e-3);
+            if dim == 3 {
+                run.assert_column("joint.shear_traction_y", &[0.0; 8], 0.0, 1e-3);
+            }
+            let corrections = run.corrections();
+            assert!(
+                corrections.iter().sum::<f64>() <= 14.0,
+                "{}: {corrections:?} corrections",
+                run.label
+            );
+        }
+    }
+}
+
+#[test]
+fn in_3d_with_5_layers() {
+    check("wtnv146/case.yaml", "[1, 1, 5]", 3);
+}
+
+#[test]
+fn in_3d_with_20_layers() {
+    check("wtnv146/case.yaml", "[4, 4, 20]", 3);
+}
+
+#[test]
+fn in_2d_with_5_layers() {
+    check("wtnv146/case_2d.yaml", "[1, 5]", 2);
+}
+
+#[test]
+fn in_2d_with_20_layers() {
+    check("wtnv146/case_2d.yaml", "[4, 20]", 2);
+}

@@ -1,0 +1,258 @@
+//! Runs cases under `mpirun` and reads their results.
+
+use crate::common::mpirun_within;
+use column_hpc::output::history::Table;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Condvar, Mutex, PoisonError};
+use std::time::Duration;
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_column-hpc");
+
+/// A launch alone takes seconds; beside other work on the machine it may wait for a core.
+const LIMIT: Duration = Duration::from_secs(120);
+
+/// Launches at the same time: more would fight for the cores.
+const MOST_LAUNCHES: usize = 2;
+
+/// The linear solvers that are compared.
+pub const SOLVERS: [&str; 3] = ["mumps", "gamg", "hypre"];
+
+static LAUNCHES: Mutex<usize> = Mutex::new(0);
+static ENDED: Condvar = Condvar::new();
+
+/// One of the launches that may run at the same time, until it is dropped.
+struct Turn;
+
+impl Turn {
+    fn wait() -> Self {
+        let launches = LAUNCHES.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut launches = ENDED
+            .wait_while(launches, |running| *running >= MOST_LAUNCHES)
+            .unwrap_or_else(PoisonError::into_inner);
+        *launches += 1;
+        Turn
+    }
+}
+
+impl Drop for Turn {
+    fn drop(&mut self) {
+        *LAUNCHES.lock().unwrap_or_else(PoisonError::into_inner) -= 1;
+        ENDED.notify_one();
+    }
+}
+
+/// A case and what of it is changed.
+#[derive(Clone)]
+pub struct Scene {
+    case: PathBuf,
+    sets: Vec<String>,
+    scattered: bool,
+}
+
+/// What a run left behind.
+pub struct Run {
+    /// Scene and ranks, for messages.
+    pub label: String,
+    pub table: Table,
+    pub report: serde_json::Value,
+    pub screen: String,
+}
+
+/// A directory for one file or one run, of this process alone.
+fn fresh() -> PathBuf {
+    static NEXT: AtomicUsize = AtomicUsize::new(0);
+    let number = NEXT.fetch_add(1, Ordering::Relaxed);
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR"))
+        .join(format!("acceptance-{}-{number}", std::process::id()));
+    fs::create_dir_all(&path).expect("the build directory is writable");
+    path
+}
+
+impl Scene {
+    /// A case of `cases/`.
+    pub fn shipped(name: &str) -> Self {
+        let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases").join(name);
+        Self { case, sets: Vec::new(), scattered: false }
+    }
+
+    /// A case of its own.
+    pub fn new(name: &str, yaml: &str) -> Self {
+        let case = fresh().join(format!("{name}.yaml"));
+        fs::write(&case, yaml).expect("the build directory is writable");
+        Self { case, sets: Vec::new(), scattered: false }
+    }
+
+    /// The same with a value of the case replaced.
+    pub fn set(&self, assignment: &str) -> Self {
+        let mut scene = self.clone();
+        scene.sets.push(assignment.into());
+        scene
+    }
+
+    /// The same with every cell on a rank of its own choice.
+    pub fn scattered(&self) -> Self {
+        Self { scattered: true, ..self.clone() }
+    }
+
+    /// Runs the scene; it has to end well, every instant in one step.
+    pub fn on(&self, ranks: usize) -> Run {
+        let directory = fresh();
+        let name = self.case.file_stem().map(|s| s.to_string_lossy()).unwrap_or_default();
+        let folder = self.case.parent().and_then(Path::file_name).unwrap_or_default();
+        let label = format!(
+            "{}/{name} {} on {ranks} ranks{}",
+            folder.display(),
+            self.sets.join(" "),
+            if self.scattered { ", scattered" } else { "" }
+        );
+        let mut args: Vec<String> = Vec::new();
+        if self.scattered {
+            args.extend(["COLUMN_HPC_PARTITION=scattered".into(), PROGRAM.into()]);
+        }
+        args.extend([self.case.to_string_lossy().into_owned(), "--verbose".into()]);
+        args.extend(["--output".into(), directory.to_string_lossy().into_owned()]);
+        args.extend(["--overwrite".into(), "--set".into(), "output.fields=none".into()]);
+        args.extend(self.sets.iter().flat_map(|s| ["--set".to_string(), s.clone()]));
+        let args: Vec<&str> = args.iter().map(String::as_str).collect();
+        let program = if self.scattered { "env" } else { PROGRAM };
+        let output = {
+            let _turn = Turn::wait();
+            mpirun_within(LIMIT, ranks, program, &args)
+        };
+        let screen = String::from_utf8_lossy(&output.stdout).into_owned();
+        let complaint = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{label}\n{screen}\n{complaint}");
+        assert!(!screen.contains("halved"), "{label}: a step was cut\n{screen}");
+        let table = Table::read(&directory.join("history.csv")).expect("a complete history");
+        let report = fs::read_to_string(directory.join("report.json")).expect("a report");
+        let report = serde_json::from_str(&report).expect("valid JSON");
+        Run { label, table, report, screen }
+    }
+}
+
+impl Run {
+    /// The values of a column, one per instant.
+    pub fn column(&self, name: &str) -> Vec<f64> {
+        let index = self.table.column(name).unwrap_or_else(|| panic!("no column {name}"));
+        let value =
+            |row: &Vec<Option<f64>>| row[index].unwrap_or_else(|| panic!("{name} is empty"));
+        self.table.rows.iter().map(value).collect()
+    }
+
+    /// Corrections of every instant.
+    pub fn corrections(&self) -> Vec<f64> {
+        self.column("newton_iterations")
+    }
+
+    /// A column has these values, each within `absolute + relative |value|`; a quantity of an
+    /// interface with both its least and its largest value.
+    pub fn assert_column(&self, name: &str, values: &[f64], relative: f64, absolute: f64) {
+        let whole = self.table.column(name).is_some();
+        let names = if whole {
+            vec![name.to_string()]
+        } else {
+            vec![format!("{name}.min"), format!("{name}.max"), format!("{name}.mean")]
+        };
+        for name in names {
+            let computed = self.column(&name);
+            assert_eq!(computed.len(), values.len(), "{}: {name}", self.label);
+            for (row, (value, exact)) in computed.iter().zip(values).enumerate() {
+                assert!(
+                    (value - exact).abs() <= absolute + relative * exact.abs(),
+                    "{}: {name} in row {row} is {value:e}, exact {exact:e}, error {:e}",
+                    self.label,
+                    value - exact
+                );
+            }
+        }
+    }
+
+    /// Elastic and dissipated energy add up to the external work at every instant.
+    pub fn assert_energy_balance(&self, relative: f64) {
+        let [elastic, dissipated, external] =
+            ["elastic", "dissipated", "external"].map(|n| self.column(&format!("energy.{n}")));
+        let scale = external.iter().fold(0.0_f64, |m, e| m.max(e.abs()));
+        assert!(scale > 0.0, "{}: nothing did work", self.label);
+        for row in 0..external.len() {
+            let held = elastic[row] + dissipated[row];
+            // Where everything is back at zero there is nothing to be relative to.
+            let allowed = relative * held.abs() + 1e-12 * scale;
+            assert!(
+                (external[row] - held).abs() <= allowed,
+                "{}: in row {row} the external work is {:e}, {:e} elastic + {:e} dissipated",
+                self.label,
+                external[row],
+                elastic[row],
+                dissipated[row]
+            );
+        }
+    }
+
+    /// The same history as `other`, every value within `tolerance` of the largest of its kind;
+    /// `scale` gives the factor from the units of `self` to those of `other`.
+    pub fn assert_same_in_units(&self, other: &Run, tolerance: f64, scale: fn(Kind) -> f64) {
+        assert_eq!(self.table.columns, other.table.columns, "{}", other.label);
+        assert_eq!(self.table.rows.len(), other.table.rows.len(), "{}", other.label);
+        for (index, name) in self.table.columns.iter().enumerate() {
+            let Some(kind) = Kind::of(name) else { continue };
+            let largest = self.largest(kind);
+            for (row, (mine, others)) in self.table.rows.iter().zip(&other.table.rows).enumerate() {
+                let (Some(mine), Some(others)) = (mine[index], others[index]) else {
+                    assert_eq!(mine[index], others[index], "{}: {name}", other.label);
+                    continue;
+                };
+                let error = (others / scale(kind) - mine).abs();
+                assert!(
+                    error <= tolerance * largest,
+                    "{name} in row {row}: {mine:e} ({}), {others:e} ({}): {error:e} of {largest:e}",
+                    self.label,
+                    other.label
+                );
+            }
+        }
+    }
+
+    /// As [`Self::assert_same_in_units`], in the same units.
+    pub fn assert_same(&self, other: &Run, tolerance: f64) {
+        self.assert_same_in_units(other, tolerance, |_| 1.0);
+    }
+
+    fn largest(&self, kind: Kind) -> f64 {
+        let columns = self.table.columns.iter().enumerate().filter(|c| Kind::of(c.1) == Some(kind));
+        let values = columns.flat_map(|(i, _)| self.table.rows.iter().filter_map(move |r| r[i]));
+        values.fold(0.0, |largest, v| largest.max(v.abs()))
+    }
+}
+
+/// What a column holds: values of a kind are comparable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    Traction,
+    Length,
+    Damage,
+    Reaction,
+    Energy,
+    Time,
+}
+
+impl Kind {
+    /// None for counts of iterations.
+    fn of(column: &str) -> Option<Self> {
+        let kinds = [
+            ("traction", Self::Traction),
+            ("jump", Self::Length),
+            ("sliding", Self::Length),
+            ("displacement", Self::Length),
+            ("damage", Self::Damage),
+            ("reaction", Self::Reaction),
+            ("energy", Self::Energy),
+            ("time", Self::Time),
+            ("load_factor", Self::Time),
+        ];
+        let kind = kinds.iter().find(|(word, _)| column.contains(word)).map(|k| k.1);
+        assert_eq!(kind.is_none(), column.ends_with("_iterations"), "{column}");
+        kind
+    }
+}

@@ -1,0 +1,55 @@
+//! The shipped cases with answers of their own: they meet every expectation.
+
+use crate::scene::{SOLVERS, Scene};
+
+fn check(case: &str, least_expectations: usize) {
+    for (index, ranks) in [1, 2, 3, 4].into_iter().enumerate() {
+        let solver = SOLVERS[index % SOLVERS.len()];
+        let run = Scene::shipped(case).set(&format!("solver.linear={solver}")).on(ranks);
+        assert_eq!(run.report["status"], "done", "{}", run.label);
+        let expectations = run.report["expectations"].as_array().expect("a list");
+        assert!(expectations.len() >= least_expectations, "{}", run.label);
+        assert!(expectations.iter().all(|e| e["met"] == true), "{}", run.label);
+    }
+}
+
+#[test]
+fn contact_patch_in_2d() {
+    check("ssnp121/case_2d.yaml", 6);
+}
+
+#[test]
+fn contact_patch_in_3d() {
+    check("ssnp121/case.yaml", 6);
+}
+
+#[test]
+fn two_interfaces() {
+    check("two_interfaces/case.yaml", 30);
+}
+
+#[test]
+fn mixed_mode() {
+    check("mixed_mode/case.yaml", 20);
+}
+
+#[test]
+fn shear_under_compression() {
+    check("point_law/shear_under_compression.yaml", 3);
+}
+
+/// sigma = (U - delta_c/2)/(L/E - delta_c/(2 strength)) in MPa and mm, here in Pa.
+#[test]
+fn cohesive_bar() {
+    let (length, critical, strength, young_modulus) = (99.5, 2.0 * 0.1 / 3.0, 3.0, 3.0e4);
+    let traction: Vec<f64> = [0.0124375, 0.014925, 0.0174125, 0.0199]
+        .map(|u: f64| {
+            (u - 0.5 * critical) / (length / young_modulus - 0.5 * critical / strength) * 1e6
+        })
+        .to_vec();
+    for (ranks, solver) in [(1, "mumps"), (2, "gamg"), (3, "hypre"), (4, "mumps")] {
+        let run =
+            Scene::shipped("v101359/case.yaml").set(&format!("solver.linear={solver}")).on(ranks);
+        run.assert_column("joint.normal_traction", &traction, 1e-8, 0.0);
+    }
+}

@@ -1,0 +1,160 @@
+//! The assembled tangent against central differences of the residual.
+//!
+//! At an accepted state, with the history of the instant before put back so that the state lies
+//! inside its branches and not on their threshold, the residual is differentiable. There, for a
+//! vector y that is zero at prescribed components and at stuck components of secondary nodes,
+//! A y is compared with (f(u + eps d) - f(u - eps d)) / (2 eps), where d is the direction in the
+//! displacements that y becomes (stuck components follow the other side, so that their jump stays).
+//! Rows of prescribed components are the identity and take no part.
+
+use column_hpc::case::Case;
+use column_hpc::law::Branch;
+use column_hpc::mesh::{Column, LocalMesh};
+use column_hpc::partition::{self, Method, mix};
+use column_hpc::petsc::{NonlinearSystem, Vector};
+use column_hpc::runtime::Runtime;
+use column_hpc::solve::{self, Model};
+use column_hpc::timers::Timers;
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// Largest step of a node (m): small against the least jumps, about 1e-6 m, near which the direction
+/// of the traction turns fastest.
+const STEP: f64 = 1e-10;
+
+/// The top tilts and slides more and more, comes back, is pressed down, and goes far.
+fn case(mesh: &str, law: &str) -> Case {
+    let text = format!(
+        "
+mesh: {{column: {{size: [1.0, 1.0, 2.0], {mesh}}}}}
+materials: {{rock: {{elastic: {{young_modulus: 5.8e9, poisson_ratio: 0.2}}}}}}
+interfaces: [{{name: joint, z: 1.0, law: {law}}}]
+boundary:
+  - {{on: bottom, displacement: {{x: 0, y: 0, z: 0}}}}
+  - on: top
+    displacement:
+      x: {{table: [[0, 0], [1, 2.0e-4], [2, 6.0e-4], [3, 4.0e-4], [5, 8.0e-4], [6, 9.0e-4], [7, 2.6e-3]]}}
+      y: 0
+      z: {{formula: \"1e-3*min(t, abs(2.9-t)*0.5)*0.6*(0.1 + x + 0.2*y) - 1e-3*max(0, min(1, min(t-3, 8-t))) + 3e-3*max(0, t-8)\"}}
+time: {{instants: [0.2, 0.5, 1, 1.5, 2, 2.5, 3, 4, 4.5, 5, 6, 7, 8, 9]}}
+"
+    );
+    Case::read(&text, Path::new("tangent.yaml"), &[]).expect("the case is right")
+}
+
+/// Matching and non-matching, for every law.
+pub fn tangent_by_differences(runtime: &Runtime) {
+    let cohesive = "{linear_softening: {strength: 1.1e6, fracture_energy: 900.0}}";
+    for mesh in ["cells: [3, 2, 4]", "bodies: [{cells: [2, 2, 2]}, {cells: [3, 3, 2]}]"] {
+        for method in [Method::Metis, Method::Scattered] {
+            let seen = check(runtime, &case(mesh, cohesive), method);
+            for branch in [
+                Branch::Stick,
+                Branch::StickClosed,
+                Branch::Softening,
+                Branch::SofteningClosed,
+                Branch::Unloading,
+                Branch::Broken,
+                Branch::BrokenClosed,
+            ] {
+                assert!(seen.contains(&branch), "{branch:?} is missing in {seen:?}, {mesh}");
+            }
+        }
+        check(runtime, &case(mesh, "{tied: {}}"), Method::Metis);
+    }
+}
+
+/// Goes through the instants; returns the branches of all ranks at which tangents were compared.
+fn check(runtime: &Runtime, case: &Case, method: Method) -> BTreeSet<Branch> {
+    let comm = &runtime.comm;
+    let timers = Timers::new();
+    let column = Column::new(case).expect("a column");
+    let (cells, before) = partition::distribute(comm, &column, method).expect("cells");
+    let mesh = LocalMesh::refine(&column, &cells, 0, before);
+    let mut model = solve::build(runtime, &timers, case, mesh).expect("a problem");
+    let mut seen = BTreeSet::new();
+    for time in &case.time {
+        let history = model.stepper.problem.interfaces.committed.clone();
+        let accepted = model.stepper.advance(*time).expect("the instant is reached");
+        let reached = model.stepper.problem.interfaces.committed.clone();
+        if accepted.steps == 1 {
+            model.stepper.problem.interfaces.committed = history;
+            compare(runtime, &mut model, *time);
+            let response = &model.stepper.problem.interfaces.response;
+            seen.extend(response.iter().map(|r| r.branch));
+        }
+        model.stepper.problem.interfaces.committed = reached;
+    }
+    let all: Vec<Branch> =
+        Branches::ALL.into_iter().filter(|b| comm.any(seen.contains(b))).collect();
+    all.into_iter().collect()
+}
+
+/// The branches in one order on every rank.
+struct Branches;
+
+impl Branches {
+    const ALL: [Branch; 11] = [
+        Branch::Stick,
+        Branch::StickClosed,
+        Branch::Unloading,
+        Branch::UnloadingClosed,
+        Branch::Softening,
+        Branch::SofteningClosed,
+        Branch::Broken,
+        Branch::BrokenClosed,
+        Branch::Open,
+        Branch::Closed,
+        Branch::Tied,
+    ];
+}
+
+/// A y against the central difference, at the state that the problem evaluated last.
+fn compare(runtime: &Runtime, model: &mut Model<'_>, time: f64) {
+    let (problem, snes) = (&mut model.stepper.problem, &mut model.stepper.snes);
+    let dim = problem.all.dim;
+    let owned = problem.all.nodes.owned * dim;
+    let u = problem.displacement[..owned].to_vec();
+    let mut f = vec![0.0; owned];
+    problem.residual(&u, &mut f).expect("a residual");
+    problem.tangent(&u, snes.matrix_mut()).expect("a tangent");
+
+    let mut free: Vec<bool> =
+        (0..owned).map(|i| !problem.all.prescribed[i / dim][i % dim]).collect();
+    let compared = free.clone();
+    for (rows, response) in problem.all.secondary.iter().zip(&problem.interfaces.response) {
+        for c in (0..dim).filter(|c| rows.rows[*c].is_some() && response.state.stuck[*c]) {
+            free[rows.node as usize * dim + c] = false;
+        }
+    }
+    let mut y = Vector::new(&runtime.petsc, owned, dim).expect("a vector");
+    let mut direction = vec![0.0; owned];
+    for i in (0..owned).filter(|i| free[*i]) {
+        // The same numbers on any number of ranks.
+        let name = problem.all.nodes.names[i / dim] * dim as u64 + (i % dim) as u64;
+        direction[i] = (mix(name) >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
+    }
+    y.write().expect("values").copy_from_slice(&direction);
+    let mut product = y.duplicate().expect("a vector");
+    snes.matrix().multiply(&y, &mut product).expect("a product");
+    problem.direction(&u, &mut direction).expect("a direction");
+
+    let mut at = |sign: f64| {
+        let moved: Vec<f64> = u.iter().zip(&direction).map(|(u, d)| u + sign * STEP * d).collect();
+        let mut f = vec![0.0; owned];
+        problem.residual(&moved, &mut f).expect("a residual");
+        f
+    };
+    let (plus, minus) = (at(1.0), at(-1.0));
+    problem.residual(&u, &mut f).expect("a residual");
+    let product = product.read().expect("values");
+    let (mut error, mut largest) = (0.0_f64, 0.0_f64);
+    for i in (0..owned).filter(|i| compared[*i]) {
+        let difference = (plus[i] - minus[i]) / (2.0 * STEP);
+        error = error.max((difference - product[i]).abs());
+        largest = largest.max(product[i].abs());
+    }
+    let mut worst = [error, largest];
+    runtime.comm.max(&mut worst);
+    assert!(worst[1] > 0.0 && worst[0] <= 1e-7 * worst[1], "at {time}: {worst:?}");
+}
