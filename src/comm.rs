@@ -113,7 +113,8 @@ impl Comm {
             Error::Bug(text) => (b'b', text),
         };
         let mut message = vec![kind];
-        if self.size() > 1 && kind != b'i' {
+        // An error that was agreed on before names the rank it came from.
+        if self.size() > 1 && kind != b'i' && !text.starts_with("rank ") {
             message.extend_from_slice(format!("rank {}: ", self.rank()).as_bytes());
         }
         message.extend_from_slice(text.as_bytes());

@@ -4,6 +4,7 @@
 
 pub mod error;
 pub mod comm;
+pub mod fault;
 pub mod timers;
 pub mod petsc;
 pub mod runtime;

@@ -50,10 +50,10 @@ impl Loads {
                 loads.patch(mesh, source, place, None);
             }
         }
-        for entry in &case.boundary {
+        for (number, entry) in case.boundary.iter().enumerate() {
             let traction = entry.traction.clone().map(|v| v.filter(|v| !v.is_zero()));
             if traction.iter().any(Option::is_some) {
-                let name = format!("boundary on {}: traction", entry.on.name());
+                let name = format!("boundary.{number} ({}): traction", entry.on.name());
                 let source = loads.source(name, traction, 1.0);
                 loads.facets(mesh, source, |place| on_surface(mesh, place, entry.on));
             }
@@ -76,6 +76,14 @@ impl Loads {
         self.patches.is_empty()
     }
 
+    /// Checks that every load is finite at the instants. Local.
+    ///
+    /// # Errors
+    /// `Input` when a formula gives no finite number at a quadrature point.
+    pub fn check(&self, instants: &[f64]) -> Result<()> {
+        instants.iter().try_for_each(|time| self.add(*time, |_, _, _| {}))
+    }
+
     /// Adds the nodal forces at `time` (N): `add(name of the node, component, force)`. Local.
     ///
     /// # Errors
@@ -89,11 +97,13 @@ impl Loads {
                     let density = value.at(point.position, time);
                     if !density.is_finite() {
                         return Err(Error::Input(format!(
-                            "{}.{} is {density} at {:?} m and time {time}; the formula must give \
-                             finite numbers wherever the load acts",
+                            "{}.{} is {density} at ({}, {}, {}) m at time {time}; the formula \
+                             must give finite numbers wherever the load acts, at every instant",
                             source.name,
                             ["x", "y", "z"][*axis],
-                            point.position,
+                            point.position[0],
+                            point.position[1],
+                            point.position[2],
                         )));
                     }
                     let force = source.sign * density * point.weight;

@@ -357,6 +357,11 @@ impl Checker<'_> {
         {
             self.add("solver.form", "saddle_point needs linear: mumps or auto");
         }
+        let options = solver.petsc_options.trim();
+        if !options.is_empty() && !options.starts_with('-') {
+            let reason = format!("must be written as `-name value -name value`, got `{options}`");
+            self.add("solver.petsc_options", reason);
+        }
     }
 
     /// Names become columns and files.

@@ -66,6 +66,17 @@ impl Branch {
         }
     }
 
+    /// Whether the point carries no more tension or shear than it does: it softens, is broken, or
+    /// never held.
+    pub fn gives_way(self) -> bool {
+        self.is_separated() || matches!(self, Branch::Softening | Branch::SofteningClosed)
+    }
+
+    /// Whether nothing but contact is left: no tension, no shear.
+    pub fn is_separated(self) -> bool {
+        matches!(self, Branch::Broken | Branch::BrokenClosed | Branch::Open | Branch::Closed)
+    }
+
     /// Whether the normal is in contact (its jump is prescribed as zero by compression).
     pub fn is_closed(self) -> bool {
         use Branch::{BrokenClosed, Closed, SofteningClosed, StickClosed, UnloadingClosed};

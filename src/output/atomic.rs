@@ -96,7 +96,16 @@ pub fn parse_temporary(name: &str) -> Option<(&str, u32)> {
 /// A process of the same id as this one is an earlier one: in containers ids repeat, and this run
 /// asks before it writes anything.
 pub fn is_leftover(process: u32) -> bool {
-    process == std::process::id() || !Path::new("/proc").join(process.to_string()).exists()
+    process == std::process::id() || !is_running(process)
+}
+
+/// Whether a process exists and has not ended: one that was killed stays listed, as a zombie,
+/// until its parent asks for it, which in containers may be never.
+fn is_running(process: u32) -> bool {
+    let stat = fs::read_to_string(Path::new("/proc").join(process.to_string()).join("stat"));
+    // The state is the first word after the name, which is in brackets and may hold any character.
+    let state = stat.ok().and_then(|text| Some(text.rsplit_once(") ")?.1.chars().next()));
+    !matches!(state, None | Some(Some('Z' | 'X')))
 }
 
 fn flush_directory(path: &Path) -> io::Result<()> {
@@ -162,6 +171,22 @@ mod tests {
         // More than any file system holds, whichever way it says so.
         assert!(reserve(&path, 1 << 61).is_err());
         fs::remove_dir_all(dir).unwrap();
+    }
+
+    #[test]
+    fn a_process_that_has_ended_cannot_complete_a_file() {
+        let mut child = std::process::Command::new("sleep").arg("30").spawn().unwrap();
+        let process = child.id();
+        assert!(!is_leftover(process));
+        child.kill().unwrap();
+        // Ended, but nobody has asked for its status.
+        while is_running(process) {
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        assert!(Path::new("/proc").join(process.to_string()).exists());
+        assert!(is_leftover(process));
+        child.wait().unwrap();
+        assert!(is_leftover(process) && is_leftover(std::process::id()));
     }
 
     #[test]

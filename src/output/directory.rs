@@ -25,6 +25,18 @@ pub struct OutputDirectory {
 }
 
 impl OutputDirectory {
+    /// Creates the directory if there is none, and refuses one that [`OutputDirectory::open`]
+    /// would refuse; removes nothing, so that a case which then proves wrong costs no results.
+    ///
+    /// # Errors
+    /// As [`OutputDirectory::open`].
+    ///
+    /// # Parallel
+    /// Collective; rank 0 does the work.
+    pub fn examine(comm: &Comm, path: &Path, case: &str, overwrite: bool) -> Result<()> {
+        comm.agree(if comm.is_root() { examine(path, case, overwrite).map(drop) } else { Ok(()) })
+    }
+
     /// Creates the directory or takes over an existing one, and writes the resolved case into it.
     ///
     /// Earlier results of the same case are removed, so that what is there afterwards is from this
@@ -67,7 +79,8 @@ impl OutputDirectory {
     }
 }
 
-fn take(path: &Path, case: &str, overwrite: bool) -> Result<()> {
+/// The files of earlier runs in the directory, all of which may be replaced.
+fn examine(path: &Path, case: &str, overwrite: bool) -> Result<Vec<PathBuf>> {
     fs::create_dir_all(path)
         .map_err(|cause| Error::file("cannot create the output directory", path, cause))?;
     let ours = our_files(path)?;
@@ -78,6 +91,11 @@ fn take(path: &Path, case: &str, overwrite: bool) -> Result<()> {
             path.display()
         )));
     }
+    Ok(ours)
+}
+
+fn take(path: &Path, case: &str, overwrite: bool) -> Result<()> {
+    let ours = examine(path, case, overwrite)?;
     // The marker stays until it is replaced, so that a run killed here leaves a directory of a known case.
     for file in ours.iter().filter(|f| !f.ends_with(CASE)) {
         fs::remove_file(file).map_err(|cause| Error::file("cannot remove", file, cause))?;

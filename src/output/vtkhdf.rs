@@ -17,6 +17,7 @@ use serde::Serialize;
 use super::atomic;
 use super::hdf5::{CollectiveFile, Rows};
 use crate::error::{Error, Result};
+use crate::fault;
 
 /// VTK's number of a line with two nodes.
 pub const LINE: u8 = 3;
@@ -217,6 +218,7 @@ impl GridWriter<'_> {
         let (points, cells) = (self.points, self.cells);
         let group = self.agreed(file.create_group("VTKHDF"))?;
         self.agreed(write_kind(&group))?;
+        fault::strike(self.comm, "output")?;
 
         let root = self.comm.is_root();
         let connectivity = Rows {

@@ -8,7 +8,7 @@ mod report;
 pub use report::{SnesReason, SolveReport};
 
 use super::error::{c_string, check, forget};
-use super::linear::{Ksp, KspSetup};
+use super::linear::{Ksp, KspSetup, LinearFailure};
 use super::{Matrix, Petsc, Vector, ffi};
 use crate::error::{Error, Result};
 use callbacks::{Context, UserSet};
@@ -89,6 +89,7 @@ pub struct Snes {
     ksp: Ksp,
     /// Names of the options that this solver's set-up put into the database.
     defaults: Vec<String>,
+    prefix: String,
     user: UserSet,
     /// Whether the last linear solve failed.
     failed: bool,
@@ -118,15 +119,17 @@ impl Snes {
                 return Err(error);
             }
         };
-        let defaults = Vec::new();
+        let (defaults, prefix) = (Vec::new(), prefix.to_string());
         let petsc = petsc.clone();
         let user = UserSet::default();
-        let mut snes = Snes { raw, matrix, residual, ksp, defaults, user, failed: false, petsc };
-        snes.configure(prefix, setup)?;
+        let failed = false;
+        let mut snes = Snes { raw, matrix, residual, ksp, defaults, prefix, user, failed, petsc };
+        snes.configure(setup)?;
         Ok(snes)
     }
 
-    fn configure(&mut self, prefix: &str, setup: &KspSetup) -> Result<()> {
+    fn configure(&mut self, setup: &KspSetup) -> Result<()> {
+        let prefix = self.prefix.as_str();
         let norm = ("ksp_norm_type".to_string(), "unpreconditioned".to_string());
         for (name, value) in setup.options.iter().chain([&norm]) {
             let name = format!("{prefix}{name}");
@@ -247,6 +250,31 @@ impl Snes {
             linear_iterations: usize::try_from(linear).unwrap_or(0),
             failing_linear,
         })
+    }
+
+    /// After a linear solve that failed because conjugate gradients met an indefinite tangent,
+    /// as softening makes it: takes GMRES from now on, unless the user has chosen the method.
+    /// Tells whether it did, so that the solve is worth another try. Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn try_indefinite(&mut self, report: &SolveReport) -> Result<bool> {
+        use super::linear::LinearReason::{IndefiniteMatrix, IndefinitePreconditioner};
+        let indefinite =
+            |f: &LinearFailure| matches!(f.reason, IndefiniteMatrix | IndefinitePreconditioner);
+        let method = format!("{}ksp_type", self.prefix);
+        let ours = self.defaults.contains(&method) && self.ksp_type()? == "cg";
+        if !ours || !report.failing_linear.as_ref().is_some_and(indefinite) {
+            return Ok(false);
+        }
+        self.petsc.set_option(&method, "gmres")?;
+        let restart = format!("{}ksp_gmres_restart", self.prefix);
+        if self.petsc.set_default(&restart, "200")? {
+            self.defaults.push(restart);
+        }
+        // SAFETY: a valid solver.
+        check(unsafe { ffi::SNESSetFromOptions(self.raw) }, "SNESSetFromOptions")?;
+        Ok(true)
     }
 
     /// Iterations of the last linear solve. Local.

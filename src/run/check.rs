@@ -3,12 +3,13 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use crate::bulk::Loads;
 use crate::case::{self, Case, read_text};
 use crate::error::{Error, Result};
 use crate::interface::Sides;
-use crate::mesh::Column;
+use crate::mesh::{Column, LocalMesh};
 use crate::solve::LinearChoice;
-use crate::space::Prescribed;
+use crate::space::{AtNode, Prescribed};
 
 /// Memory per unknown (bytes) of matrix, preconditioner and fields, measured on columns.
 const MULTIGRID_BYTES: f64 = 2.5e3;
@@ -32,7 +33,13 @@ pub fn check(path: &Path, overrides: &[String]) -> Result<String> {
     let choice = LinearChoice::new(&case, &column);
     if column.nodes() <= MOST_NODES {
         let nodes: Vec<u64> = (0..column.nodes()).collect();
-        Prescribed::new(&case, &column).check_agreement(&nodes, &case.time)?;
+        let prescribed = Prescribed::new(&case, &column);
+        let largest = prescribed.largest_value(&nodes, &case.time);
+        let checked = largest.and_then(|l| prescribed.check_agreement(&nodes, &case.time, l));
+        checked.map_err(|AtNode(_, error)| error)?;
+        let cells: Vec<u64> = (0..coarse.cells()).collect();
+        let mesh = LocalMesh::refine(&coarse, &cells, case.mesh.refine, coarse.cells());
+        Loads::new(&case, &mesh).check(&case.time)?;
     }
     let bytes = unknowns as f64 * choice.bytes_per_unknown().unwrap_or(MULTIGRID_BYTES);
     let mut text = format!("{}\n", case.title);

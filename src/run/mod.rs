@@ -11,7 +11,8 @@ use std::path::Path;
 use crate::case::{Case, Fields, read_text};
 use crate::cli::{Command, RunOptions};
 use crate::comm::Comm;
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::fault;
 use crate::mesh::{Column, LocalMesh};
 use crate::output::directory::OutputDirectory;
 use crate::output::history::History;
@@ -72,13 +73,21 @@ fn run_case(runtime: &Runtime, timers: &Timers, options: &RunOptions) -> Result<
     runtime.petsc.insert_options(&case.solver.petsc_options)?;
     let directory = options.output.as_deref().unwrap_or(&case.output.directory);
     let resolved = case.resolved();
-    let directory =
-        OutputDirectory::open(comm, directory, &resolved.to_string(), options.overwrite)?;
+    let resolved = resolved.to_string();
+    OutputDirectory::examine(comm, directory, &resolved, options.overwrite)?;
 
     let mut model = build(runtime, timers, &case)?;
+    let directory = OutputDirectory::open(comm, directory, &resolved, options.overwrite)?;
     screen::describe(comm, &case, &model);
-    let mut session =
-        Session { comm, timers, case: &case, directory, history: None, counts: [0; 2] };
+    let mut session = Session {
+        comm,
+        timers,
+        case: &case,
+        directory,
+        history: None,
+        counts: [0; 2],
+        accepted: 0,
+    };
     let solved = session.solve(&mut model);
     session.close(runtime, &model, solved)
 }
@@ -89,7 +98,7 @@ fn read_case(comm: &Comm, path: &Path, overrides: &[String]) -> Result<Case> {
     comm.agree(Case::read(&String::from_utf8_lossy(&text), path, overrides))
 }
 
-fn build<'a>(runtime: &'a Runtime, timers: &'a Timers, case: &Case) -> Result<Model<'a>> {
+fn build<'a>(runtime: &'a Runtime, timers: &'a Timers, case: &'a Case) -> Result<Model<'a>> {
     let comm = &runtime.comm;
     let column = {
         let _phase = timers.enter(Phase::Mesh);
@@ -103,6 +112,7 @@ fn build<'a>(runtime: &'a Runtime, timers: &'a Timers, case: &Case) -> Result<Mo
         let _phase = timers.enter(Phase::Mesh);
         LocalMesh::refine(&column, &cells, case.mesh.refine, before)
     };
+    fault::strike(comm, "distribute")?;
     let _phase = timers.enter(Phase::Assembly);
     solve::build(runtime, timers, case, mesh)
 }
@@ -117,6 +127,8 @@ struct Session<'a> {
     history: Option<History>,
     /// Corrections and linear iterations so far.
     counts: [u64; 2],
+    /// Instants that are on disk.
+    accepted: usize,
 }
 
 impl Session<'_> {
@@ -147,9 +159,11 @@ impl Session<'_> {
                 None => Ok(()),
             };
             self.comm.agree(pushed)?;
+            fault::strike(self.comm, "history")?;
             if self.writes_fields(*time) {
                 fields.write(self.comm, self.case, model, number + 1, *time)?;
             }
+            self.accepted = number + 1;
             if let Some(history) = &self.history {
                 let instants = tables::instants(history.table(), &names);
                 let line = instants.last().map(|i| tables::instant_line(i, &names));
@@ -212,9 +226,21 @@ impl Session<'_> {
             };
             written = report.write(&self.directory.report());
             screen::close(&report, self.directory.path());
+            screen::complain_of_missed(&report, self.directory.path());
         }
         self.comm.agree(written)?;
-        solved.map(|()| met)
+        solved.map(|()| met).map_err(|error| self.with_place(error))
+    }
+
+    /// Adds to a failure of the numerics what of the results is valid.
+    fn with_place(&self, error: Error) -> Error {
+        let Error::Numerics(text) = error else { return error };
+        let time = &self.case.time[..self.accepted];
+        let place = self.directory.path().display();
+        Error::Numerics(match time.last() {
+            None => format!("{text}\nno instant was reached"),
+            Some(last) => format!("{text}\nthe results up to time {last} are valid, in {place}"),
+        })
     }
 
     /// The verdict on every expectation, on rank 0. Local.

@@ -88,6 +88,29 @@ pub fn complain(error: &Error) {
     drop(std::io::stderr().write_all(text.as_bytes()));
 }
 
+/// One message on stderr when expectations were missed.
+pub fn complain_of_missed(report: &Report, directory: &Path) {
+    if report.status != Status::ExpectationMissed {
+        return;
+    }
+    let mut missed = report.expectations.iter().filter(|outcome| !outcome.met);
+    let Some(first) = missed.next() else { return };
+    let (quantity, at) = (&first.quantity, first.at);
+    let (equals, tolerance) = (first.equals, first.tolerance);
+    let found = match (&first.note, first.value) {
+        (Some(note), _) => note.clone(),
+        (None, value) => format!("it is {:e}", value.unwrap_or(f64::NAN)),
+    };
+    let text = format!(
+        "error: {} of {} expectations missed; the first: {quantity} at {at} should be {equals:e} \
+         within {tolerance:e}, but {found}; all of them are in {}\n",
+        1 + missed.count(),
+        report.expectations.len(),
+        directory.join("report.json").display()
+    );
+    drop(std::io::stderr().write_all(text.as_bytes()));
+}
+
 /// Says what is modelled and how it is solved. Collective.
 pub fn describe(comm: &Comm, case: &Case, model: &Model<'_>) {
     let cells = comm.sum_u64(model.mesh.cells.len() as u64);

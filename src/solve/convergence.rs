@@ -53,6 +53,8 @@ pub struct Convergence {
     /// The same of the last evaluated state, on this rank.
     current: [f64; 2],
     signatures: Vec<u64>,
+    /// For each state of the running solve and each interface, whether a node of this rank holds.
+    holds: Vec<f64>,
     /// Why the last solve failed, in words; the same on all ranks.
     pub failure: Option<String>,
 }
@@ -73,6 +75,7 @@ impl Convergence {
             accepted: [0.0; 2],
             current: [0.0; 2],
             signatures: Vec::new(),
+            holds: Vec::new(),
             failure: None,
         }
     }
@@ -91,6 +94,7 @@ impl Convergence {
     /// Starts a step.
     pub fn start(&mut self) {
         self.signatures.clear();
+        self.holds.clear();
         self.failure = None;
     }
 
@@ -101,6 +105,14 @@ impl Convergence {
         for (accepted, current) in self.accepted.iter_mut().zip(current) {
             *accepted = accepted.max(current);
         }
+    }
+
+    /// Interfaces all of whose nodes gave way in some state of the last solve. Collective.
+    pub fn interfaces_that_gave_way(&self, comm: &Comm) -> Vec<bool> {
+        let mut holds = self.holds.clone();
+        comm.max(&mut holds);
+        let count = self.interface_names.len();
+        (0..count).map(|i| holds.iter().skip(i).step_by(count).any(|h| *h == 0.0)).collect()
     }
 
     /// The verdict on a state: `worst` is the largest out-of-balance nodal force (N). Collective.
@@ -119,6 +131,7 @@ impl Convergence {
         let displacement_scale = scales[1].max(self.accepted[1]);
         let mut defect = vec![Worst::default(); interfaces.laws.len()];
         let mut signature = 0u64;
+        let mut holds = vec![0.0; interfaces.laws.len()];
         for (rows, response) in all.secondary.iter().zip(&interfaces.response) {
             let name = all.nodes.names[rows.node as usize];
             let scale = interfaces.laws[rows.interface]
@@ -136,7 +149,11 @@ impl Convergence {
             };
             defect[rows.interface].see(relative, name);
             signature = signature.wrapping_add(mix(mix(name) ^ response.branch as u64));
+            if !rows.has_multiplier() || !response.branch.gives_way() {
+                holds[rows.interface] = 1.0;
+            }
         }
+        self.holds.extend(holds);
         let worst = worst.over_ranks(comm);
         let defect: Vec<Worst> = defect.into_iter().map(|d| d.over_ranks(comm)).collect();
         if worst.not_a_number || !norm.is_finite() || defect.iter().any(|d| d.not_a_number) {
@@ -157,8 +174,7 @@ impl Convergence {
         if let Some(period) = self.cycle(signature) {
             self.failure = Some(format!(
                 "Newton's method cycles between {period} states of the interfaces \
-                 ({iteration} corrections, out of balance {out_of_balance:.1e}); \
-                 smaller steps or a larger augmentation may help"
+                 ({iteration} corrections, out of balance {out_of_balance:.1e})"
             ));
             return Ok(Verdict::Diverged);
         }

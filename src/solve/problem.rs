@@ -12,6 +12,7 @@ use crate::assembly::{CellSet, Discretization, NodeState, Tangent};
 use crate::bulk::Loads;
 use crate::comm::Comm;
 use crate::error::Result;
+use crate::fault;
 use crate::petsc::{LinearTolerance, Matrix, NonlinearSystem, TangentChange, Verdict};
 use crate::timers::{Phase, Timers};
 
@@ -171,6 +172,7 @@ impl<'a> Problem<'a> {
 
 impl NonlinearSystem for Problem<'_> {
     fn residual(&mut self, x: &[f64], f: &mut [f64]) -> Result<()> {
+        fault::strike(self.comm, "residual")?;
         let _phase = self.timers.enter(Phase::Assembly);
         self.evaluate_bulk(x);
         let (all, dim) = (&self.all, self.all.dim);

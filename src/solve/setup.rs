@@ -15,7 +15,7 @@ use crate::interface::{Sides, jump_rows};
 use crate::mesh::{LocalMesh, axes};
 use crate::petsc::{KspSetup, Matrix, Snes, Vector};
 use crate::runtime::Runtime;
-use crate::space::{Directory, Nodes, Prescribed};
+use crate::space::{AtNode, Directory, Nodes, Prescribed};
 use crate::timers::Timers;
 
 /// A problem with its solver, and what is known of the discretisation for output and report.
@@ -35,18 +35,22 @@ pub struct Model<'a> {
 /// Builds the problem of `mesh`. Collective.
 ///
 /// # Errors
-/// `Input` when boundary entries disagree or a side of an interface is not covered; `System` when
+/// `Input` when boundary entries disagree, a formula gives no finite number at an instant, or a side of an interface is not covered; `System` when
 /// PETSc fails.
 pub fn build<'a>(
     runtime: &'a Runtime,
     timers: &'a Timers,
-    case: &Case,
+    case: &'a Case,
     mesh: LocalMesh,
 ) -> Result<Model<'a>> {
     let comm = &runtime.comm;
     let prescribed = Prescribed::new(case, &mesh.column);
-    let agreement = prescribed.check_agreement(&mesh.nodes, &case.time);
-    comm.agree(agreement)?;
+    let mut largest = [AtNode::agree(comm, prescribed.largest_value(&mesh.nodes, &case.time))?];
+    comm.max(&mut largest);
+    let agreement = prescribed.check_agreement(&mesh.nodes, &case.time, largest[0]);
+    AtNode::agree(comm, agreement)?;
+    let loads = Loads::new(case, &mesh);
+    comm.agree(loads.check(&case.time))?;
     let sides = Sides::choose(case, &mesh.column);
 
     let directory = Directory::new(comm, mesh.column.nodes(), &mesh.nodes);
@@ -93,7 +97,6 @@ pub fn build<'a>(
         set_rigid_motions(runtime, &mesh, &all, &mut matrix)?;
     }
     let tangent = Tangent::new(&all, pattern, largest_diagonal);
-    let loads = Loads::new(case, &mesh);
     let laws = joint_laws(case, &mesh, &sides);
     let interfaces = InterfaceState::new(dim, laws, all.owned_secondary());
     let names = case.interfaces.iter().map(|i| i.name.clone()).collect();
@@ -106,7 +109,7 @@ pub fn build<'a>(
     let problem =
         Problem::new(comm, timers, all, loads, interfaces, tangent, convergence, target, recycle);
     let saddle = saddle.map(SaddlePoint::new);
-    let stepper = Stepper::new(problem, snes, saddle, x, prescribed, case.start);
+    let stepper = Stepper::new(case, problem, snes, saddle, x, prescribed);
     Ok(Model { stepper, mesh, sides, choice, unknowns })
 }
 

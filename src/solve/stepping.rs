@@ -3,6 +3,7 @@
 use super::energy::{Energy, Work};
 use super::problem::Problem;
 use super::saddle::{SaddlePoint, SaddleSystem};
+use crate::case::Case;
 use crate::error::{Error, Result};
 use crate::petsc::{Snes, SolveReport, Vector};
 use crate::space::Prescribed;
@@ -29,6 +30,7 @@ pub struct Stepper<'a> {
     pub problem: Problem<'a>,
     /// The nonlinear solver.
     pub snes: Snes,
+    case: &'a Case,
     /// Set in the saddle-point form.
     saddle: Option<SaddlePoint>,
     /// The unknowns, the displacements first.
@@ -40,24 +42,26 @@ pub struct Stepper<'a> {
 }
 
 impl<'a> Stepper<'a> {
-    /// At rest at `start`.
+    /// At rest at the start of the case.
     pub fn new(
+        case: &'a Case,
         problem: Problem<'a>,
         snes: Snes,
         saddle: Option<SaddlePoint>,
         x: Vector,
         prescribed: Prescribed,
-        start: f64,
     ) -> Self {
         let work = Work::new(problem.all.nodes.owned * problem.all.dim);
-        Self { problem, snes, saddle, x, prescribed, work, time: start, energy: Energy::default() }
+        let (time, energy) = (case.start, Energy::default());
+        Self { problem, snes, case, saddle, x, prescribed, work, time, energy }
     }
 
     /// Solves for the state at `instant`. A step that fails is halved; the instant itself is
     /// always reached exactly. Collective.
     ///
     /// # Errors
-    /// `Numerics` when the smallest step fails, with the reason and the place; `Input` when a
+    /// `Numerics` when the smallest step fails, with the reason and the place, and when a rupture
+    /// leaves a body free; `Input` when a
     /// formula gives no finite number.
     pub fn advance(&mut self, instant: f64) -> Result<Accepted> {
         let smallest = (instant - self.time) / f64::from(1 << MOST_HALVINGS);
@@ -72,6 +76,7 @@ impl<'a> Stepper<'a> {
             total.newton_iterations += report.iterations;
             total.linear_iterations += report.linear_iterations;
             if report.reason.is_converged() {
+                self.refuse_freed_bodies(target)?;
                 self.accept(target);
                 total.steps += 1;
                 step *= 2.0;
@@ -81,9 +86,10 @@ impl<'a> Stepper<'a> {
             self.x.copy_from(&before)?;
             if step <= smallest {
                 return Err(Error::Numerics(format!(
-                    "no solution at time {target}, reached from {} with the smallest step {step:e}: \
-                     {why}",
-                    self.time
+                    "no solution at time {target}, reached from {} with the smallest step {step:e} \
+                     (after {MOST_HALVINGS} halvings): {why}{}",
+                    self.time,
+                    self.advice()
                 )));
             }
             tracing::info!("  step from {} to {target} failed: {why}; halved", self.time);
@@ -115,6 +121,20 @@ impl<'a> Stepper<'a> {
         self.problem.set_load(target)?;
         let written = self.write_prescribed(target);
         self.problem.comm.agree(written)?;
+        let mut report = self.solve()?;
+        if self.snes.try_indefinite(&report)? {
+            let why = self.reason(&report);
+            tracing::info!("  {why}: GMRES takes the place of conjugate gradients");
+            // Newton's method goes on from the last state: its corrections are not lost.
+            let (corrections, linear) = (report.iterations, report.linear_iterations);
+            report = self.solve()?;
+            report.iterations += corrections;
+            report.linear_iterations += linear;
+        }
+        Ok(report)
+    }
+
+    fn solve(&mut self) -> Result<SolveReport> {
         self.problem.convergence.start();
         let problem = &mut self.problem;
         let Some(form) = &mut self.saddle else { return self.snes.solve(problem, &mut self.x) };
@@ -145,6 +165,70 @@ impl<'a> Stepper<'a> {
         self.problem.convergence.accept(self.problem.comm);
         self.problem.interfaces.commit();
         self.energy = self.work.accept(&self.problem);
+    }
+
+    /// What may lie behind a step that fails however small it is. Collective.
+    fn advice(&self) -> String {
+        let gave_way = self.problem.convergence.interfaces_that_gave_way(self.problem.comm);
+        let names: Vec<&str> = self
+            .case
+            .interfaces
+            .iter()
+            .zip(&gave_way)
+            .filter(|(_, gave_way)| **gave_way)
+            .map(|(interface, _)| interface.name.as_str())
+            .collect();
+        if names.is_empty() {
+            return String::new();
+        }
+        let holds: Vec<bool> = gave_way.iter().map(|gave_way| !gave_way).collect();
+        let free = self.case.free_motions(&holds);
+        let names = names.join(" and ");
+        if free.is_empty() {
+            return format!(
+                "\ninterface {names} gives way over its whole area in this step: if the column \
+                 gives back more energy than the interface takes (snap-back), no step is small \
+                 enough; shorten or stiffen the column, or raise fracture_energy; otherwise a \
+                 larger augmentation may help"
+            );
+        }
+        format!(
+            "\ninterface {names} ruptures: all of it softens or is broken, and without it {}",
+            free.join("; ")
+        )
+    }
+
+    /// Ends the run when the interfaces that broke leave a body to itself.
+    fn refuse_freed_bodies(&self, time: f64) -> Result<()> {
+        let problem = &self.problem;
+        let mut holds = vec![0.0; self.case.interfaces.len()];
+        let mut nodes = vec![0.0; holds.len()];
+        for (rows, response) in problem.all.secondary.iter().zip(&problem.interfaces.response) {
+            if rows.has_multiplier() {
+                nodes[rows.interface] = 1.0;
+                if !response.branch.is_separated() {
+                    holds[rows.interface] = 1.0;
+                }
+            }
+        }
+        problem.comm.max(&mut holds);
+        problem.comm.max(&mut nodes);
+        let holds: Vec<bool> =
+            holds.iter().zip(&nodes).map(|(h, n)| *h > 0.0 || *n == 0.0).collect();
+        if holds.iter().all(|holds| *holds) {
+            return Ok(());
+        }
+        let free = self.case.free_motions(&holds);
+        if free.is_empty() {
+            return Ok(());
+        }
+        let broken = self.case.interfaces.iter().zip(&holds).filter(|(_, holds)| !**holds);
+        let names: Vec<&str> = broken.map(|(interface, _)| interface.name.as_str()).collect();
+        Err(Error::Numerics(format!(
+            "at time {time} interface {} has ruptured over its whole area: {}",
+            names.join(" and "),
+            free.join("; ")
+        )))
     }
 
     /// Why a solve failed, in words.

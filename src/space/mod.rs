@@ -9,4 +9,4 @@ mod prescribed;
 
 pub use directory::Directory;
 pub use nodes::Nodes;
-pub use prescribed::Prescribed;
+pub use prescribed::{AtNode, Prescribed};

@@ -1,6 +1,7 @@
 //! Prescribed displacements: which components of a node, and their values in time.
 
 use crate::case::{BoundarySpec, Case};
+use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::mesh::{Column, axes};
 
@@ -8,17 +9,16 @@ use crate::mesh::{Column, axes};
 #[derive(Debug, Clone)]
 pub struct Prescribed {
     column: Column,
-    entries: Vec<BoundarySpec>,
+    /// With their numbers in the case.
+    entries: Vec<(usize, BoundarySpec)>,
 }
 
 impl Prescribed {
     /// From the boundary entries that prescribe a displacement.
     pub fn new(case: &Case, column: &Column) -> Self {
-        let prescribes = |b: &&BoundarySpec| b.displacement.iter().any(Option::is_some);
-        Self {
-            column: column.clone(),
-            entries: case.boundary.iter().filter(prescribes).cloned().collect(),
-        }
+        let prescribes = |b: &BoundarySpec| b.displacement.iter().any(Option::is_some);
+        let entries = case.boundary.iter().cloned().enumerate();
+        Self { column: column.clone(), entries: entries.filter(|(_, b)| prescribes(b)).collect() }
     }
 
     /// The entry that prescribes each component of a node: the first of those that do, by its
@@ -30,7 +30,7 @@ impl Prescribed {
             of[component] = self
                 .entries
                 .iter()
-                .position(|e| e.displacement[*axis].is_some() && surfaces.contains(e.on));
+                .position(|(_, e)| e.displacement[*axis].is_some() && surfaces.contains(e.on));
         }
         of
     }
@@ -42,7 +42,7 @@ impl Prescribed {
 
     /// Name of the surface of an entry.
     pub fn surface(&self, entry: usize) -> &'static str {
-        self.entries[entry].on.name()
+        self.entries[entry].1.on.name()
     }
 
     /// The value of a prescribed component (m).
@@ -50,73 +50,138 @@ impl Prescribed {
     /// # Errors
     /// `Input` when a formula gives no finite number there.
     pub fn value(&self, entry: usize, component: usize, node: u64, time: f64) -> Result<f64> {
-        let axis = axes(self.column.dim)[component];
+        self.value_along(entry, axes(self.column.dim)[component], node, time)
+    }
+
+    fn value_along(&self, entry: usize, axis: usize, node: u64, time: f64) -> Result<f64> {
         let point = self.column.point(node);
-        let value =
-            self.entries[entry].displacement[axis].as_ref().map_or(0.0, |v| v.at(point, time));
+        let displacement = &self.entries[entry].1.displacement[axis];
+        let value = displacement.as_ref().map_or(0.0, |v| v.at(point, time));
         if value.is_finite() {
             return Ok(value);
         }
+        let [x, y, z] = point;
         Err(Error::Input(format!(
-            "boundary on {}: displacement.{} is {value} at {point:?} m and time {time}; \
-             the formula must give finite numbers on the whole surface",
-            self.surface(entry),
+            "{}: displacement.{} is {value} at ({x}, {y}, {z}) m at time {time}; the formula must \
+             give finite numbers on the whole surface at every instant",
+            self.name(entry),
             ["x", "y", "z"][axis],
         )))
     }
 
-    /// Checks that entries which prescribe the same component of a node agree at every instant.
-    /// Local: `nodes` are names.
+    /// The largest magnitude that is prescribed at the nodes at any instant (m). Local: `nodes` are
+    /// names.
     ///
     /// # Errors
-    /// `Input`, naming both surfaces, the place and the two values.
-    pub fn check_agreement(&self, nodes: &[u64], instants: &[f64]) -> Result<()> {
+    /// At the first node where a formula gives no finite number, naming entry, place and time.
+    pub fn largest_value(
+        &self,
+        nodes: &[u64],
+        instants: &[f64],
+    ) -> std::result::Result<f64, AtNode> {
+        let mut largest = 0.0_f64;
         for node in nodes {
-            let surfaces = self.column.surfaces(*node);
-            for axis in axes(self.column.dim) {
-                let both: Vec<&BoundarySpec> = self
-                    .entries
-                    .iter()
-                    .filter(|e| e.displacement[*axis].is_some() && surfaces.contains(e.on))
-                    .collect();
-                if both.len() > 1 {
-                    self.check_pairs(&both, *axis, *node, instants)?;
+            for (entry, axis) in self.all_of(*node) {
+                for time in instants {
+                    let value = self.value_along(entry, axis, *node, *time);
+                    largest = largest.max(value.map_err(|error| AtNode(*node, error))?.abs());
+                }
+            }
+        }
+        Ok(largest)
+    }
+
+    /// Checks that entries which prescribe the same component of a node agree at every instant, to
+    /// 1e-12 of the `largest` value of the case. Local: `nodes` are names.
+    ///
+    /// # Errors
+    /// At the first node where they do not, naming both entries, the place and the two values.
+    pub fn check_agreement(
+        &self,
+        nodes: &[u64],
+        instants: &[f64],
+        largest: f64,
+    ) -> std::result::Result<(), AtNode> {
+        for node in nodes {
+            let all = self.all_of(*node);
+            for (position, (other, axis)) in all.iter().enumerate() {
+                let Some((first, _)) = all[..position].iter().find(|(_, a)| a == axis) else {
+                    continue;
+                };
+                for time in instants {
+                    let value = |entry| {
+                        let value = self.value_along(entry, *axis, *node, *time);
+                        value.map_err(|error| AtNode(*node, error))
+                    };
+                    let (one, two) = (value(*first)?, value(*other)?);
+                    if (one - two).abs() > 1e-12 * largest {
+                        let error = self.disagreement([*first, *other], *axis, *node, *time);
+                        return Err(AtNode(*node, error([one, two])));
+                    }
                 }
             }
         }
         Ok(())
     }
 
-    fn check_pairs(
+    /// Every entry and axis that prescribe something at a node.
+    fn all_of(&self, node: u64) -> Vec<(usize, usize)> {
+        let surfaces = self.column.surfaces(node);
+        let on = |e: &BoundarySpec| surfaces.contains(e.on);
+        let entries = self.entries.iter().enumerate().filter(|(_, (_, e))| on(e));
+        entries
+            .flat_map(|(index, (_, e))| {
+                let given = axes(self.column.dim).iter().filter(|a| e.displacement[**a].is_some());
+                given.map(move |axis| (index, *axis))
+            })
+            .collect()
+    }
+
+    fn disagreement(
         &self,
-        entries: &[&BoundarySpec],
+        entries: [usize; 2],
         axis: usize,
         node: u64,
-        instants: &[f64],
-    ) -> Result<()> {
-        let point = self.column.point(node);
-        let value = |e: &BoundarySpec, t: f64| {
-            e.displacement[axis].as_ref().map_or(0.0, |v| v.at(point, t))
-        };
-        for time in instants {
-            let first = value(entries[0], *time);
-            for other in &entries[1..] {
-                let second = value(other, *time);
-                let largest = first.abs().max(second.abs());
-                if (first - second).abs() > 1e-12 * largest {
-                    return Err(Error::Input(format!(
-                        "boundary: {} and {} prescribe different displacements {} at their common \
-                         point ({}, {}, {}) m at time {time}: {first} and {second}",
-                        entries[0].on.name(),
-                        other.on.name(),
-                        ["x", "y", "z"][axis],
-                        point[0],
-                        point[1],
-                        point[2],
-                    )));
-                }
-            }
+        time: f64,
+    ) -> impl Fn([f64; 2]) -> Error {
+        let [x, y, z] = self.column.point(node);
+        let [first, second] = entries.map(|e| self.name(e));
+        let axis = ["x", "y", "z"][axis];
+        move |[one, two]| {
+            Error::Input(format!(
+                "{first} and {second} prescribe different values of displacement.{axis} at their \
+                 common point ({x}, {y}, {z}) m at time {time}: {one:e} and {two:e} m; make them \
+                 agree there, or leave the component out of one of them"
+            ))
         }
-        Ok(())
+    }
+
+    /// An entry as the case file and the user call it.
+    fn name(&self, entry: usize) -> String {
+        let (number, spec) = &self.entries[entry];
+        format!("boundary.{number} ({})", spec.on.name())
+    }
+}
+
+/// A mistake at a node, by its name: of several ranks' the one at the lowest node is told, which is
+/// the same on any number of ranks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AtNode(pub u64, pub Error);
+
+impl AtNode {
+    /// Makes a mistake on some ranks one on all. Collective.
+    ///
+    /// # Errors
+    /// The mistake at the lowest node.
+    pub fn agree<T>(comm: &Comm, local: std::result::Result<T, AtNode>) -> Result<T> {
+        let mine = local.as_ref().err().map_or(u64::MAX, |AtNode(node, _)| *node);
+        let lowest = u64::MAX - comm.max_u64(u64::MAX - mine);
+        let told = match local {
+            Ok(value) => Ok(Some(value)),
+            Err(AtNode(node, error)) if node == lowest => Err(error),
+            Err(_) => Ok(None),
+        };
+        let value = comm.agree(told)?;
+        value.ok_or_else(|| Error::Bug("a mistake at a node that no rank holds".into()))
     }
 }

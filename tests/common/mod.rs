@@ -55,7 +55,7 @@ pub fn mpirun_within(limit: Duration, ranks: usize, program: &str, args: &[&str]
 
 /// What makes Open MPI work in containers, for root, with more ranks than cores, and next to other
 /// jobs; each variable counts only where it applies.
-fn environment() -> Vec<(&'static str, String)> {
+pub fn environment() -> Vec<(&'static str, String)> {
     let temporary = std::env::temp_dir().to_string_lossy().into_owned();
     let fixed = [
         ("OMPI_ALLOW_RUN_AS_ROOT", "1"),

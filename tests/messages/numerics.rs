@@ -1,0 +1,177 @@
+//! Numerics that fail: status 3, with words, the place and what stays valid; expectations that are
+//! missed: status 1; states that cycle.
+
+use super::{Answer, Folder, PULLED};
+
+const STIFF: &str = "interface joint gives way over its whole area in this step: if the column \
+                     gives back more energy than the interface takes (snap-back), no step is small \
+                     enough; shorten or stiffen the column, or raise fracture_energy; otherwise a \
+                     larger augmentation may help";
+
+/// Runs the scene with overrides (and what follows `--`).
+fn run(folder: &Folder, ranks: usize, overrides: &[&str], petsc: &[&str]) -> Answer {
+    let mut args = vec!["case.yaml", "--verbose"];
+    args.extend(overrides.iter().flat_map(|one| ["--set", one]));
+    if !petsc.is_empty() {
+        args.push("--");
+        args.extend(petsc);
+    }
+    folder.run(ranks, &args)
+}
+
+/// The run failed at the last of its two instants, or at the first with `times` empty.
+fn assert_failed(folder: &Folder, answer: &Answer, times: &[&str]) {
+    assert_eq!(answer.status, Some(3), "{}", answer.stderr);
+    assert_eq!(folder.history("time"), times);
+    let report = folder.report();
+    assert_eq!(report["status"], "failed");
+    let message = report["message"].as_str().expect("a message");
+    assert!(answer.stderr.contains(message.lines().next().unwrap_or("?")), "{message}");
+}
+
+const FIRST: [&str; 1] = ["5.0000000000000000e-1"];
+
+#[test]
+fn a_snap_back_ends_in_words() {
+    let folder = Folder::new();
+    let long = [
+        "mesh.column.size=[1, 1, 20]",
+        "interfaces.0.z=10",
+        "boundary.1.displacement.z={table: [[0, 0], [1, 4.0e-3]]}",
+    ];
+    let answer = run(&folder, 2, &long, &[]);
+    assert_failed(&folder, &answer, &FIRST);
+    let lines: Vec<&str> = answer.stderr.lines().collect();
+    let begin = "error: no solution at time 0.94873046875, reached from 0.9482421875 with the \
+                 smallest step 4.8828125e-4 (after 10 halvings): Newton's method cycles between 2 \
+                 states of the interfaces (4 corrections, out of balance ";
+    assert!(lines[0].starts_with(begin), "{}", answer.stderr);
+    assert_eq!(lines[1], format!("error: {STIFF}"));
+    assert_eq!(lines[2..], ["error: the results up to time 0.5 are valid, in out"]);
+    // No endless cutting: a failed step costs a few corrections.
+    let corrections = answer.stdout.lines().filter(|l| l.contains("correction ")).count();
+    assert!(corrections < 400, "{corrections}");
+}
+
+#[test]
+fn a_body_freed_by_rupture_is_named_with_its_interface() {
+    let free = "body 2 (between joint and the top) can move freely: ";
+    let all = "translation along x, translation along y, translation along z, rotation about x, \
+               rotation about y, rotation about z; prescribe displacements that prevent it, or \
+               choose a law that holds";
+    for linear in ["solver.linear=mumps", "solver.linear=hypre"] {
+        let folder = Folder::new();
+        let answer = run(&folder, 2, &[PULLED, linear], &[]);
+        assert_failed(&folder, &answer, &FIRST);
+        let expected = format!(
+            "error: interface joint ruptures: all of it softens or is broken, and without it \
+             {free}{all}"
+        );
+        assert_eq!(answer.stderr.lines().nth(1), Some(expected.as_str()), "{}", answer.stderr);
+        assert!(answer.stderr.starts_with("error: no solution at time 0.55"), "{}", answer.stderr);
+    }
+    // Held along z alone: the separation has a solution, and sideways nothing holds.
+    let folder = Folder::new();
+    let apart = "boundary.1={on: top, displacement: {z: {table: [[0, 0], [1, 2.0e-3]]}}}";
+    let answer = run(&folder, 2, &[apart], &[]);
+    assert_failed(&folder, &answer, &FIRST);
+    let expected = format!(
+        "error: at time 1 interface joint has ruptured over its whole area: {free}\
+         translation along x, translation along y, rotation about z; prescribe displacements that \
+         prevent it, or choose a law that holds\nerror: the results up to time 0.5 are valid, in \
+         out\n"
+    );
+    assert_eq!(answer.stderr, expected);
+}
+
+#[test]
+fn the_limit_of_corrections_is_told_with_the_place() {
+    let folder = Folder::new();
+    let answer = run(&folder, 1, &["solver.max_newton=1"], &[]);
+    assert_failed(&folder, &answer, &FIRST);
+    let first = answer.stderr.lines().next().unwrap_or_default();
+    assert!(
+        first.contains(
+            "no convergence in 1 corrections (solver.max_newton): the largest out-of-balance \
+             force is "
+        ) && first.ends_with(" m; tolerance 1.0e-9"),
+        "{first}"
+    );
+}
+
+#[test]
+fn a_linear_solver_that_fails_is_told_in_words() {
+    let folder = Folder::new();
+    let answer = run(&folder, 2, &["solver.linear=hypre"], &["-ksp_max_it", "1"]);
+    assert_failed(&folder, &answer, &[]);
+    assert!(
+        answer.stderr.contains(
+            "the linear solver failed: the limit of iterations was reached \
+        (1, residual "
+        ),
+        "{}",
+        answer.stderr
+    );
+    assert!(answer.stderr.contains("-ksp_max_it raises it"), "{}", answer.stderr);
+    assert!(answer.stderr.ends_with("\nerror: no instant was reached\n"), "{}", answer.stderr);
+}
+
+#[test]
+fn an_indefinite_tangent_is_solved_by_another_method() {
+    let folder = Folder::new();
+    let answer = run(&folder, 2, &["solver.linear=hypre"], &[]);
+    assert_eq!(answer.status, Some(0), "{}", answer.stderr);
+    assert!(answer.stdout.contains("GMRES takes the place of conjugate gradients"));
+    let traction: f64 = folder.history("joint.normal_traction.mean")[1].parse().expect("a number");
+    assert!((traction / 1017312.0728929382 - 1.0).abs() < 1e-9, "{traction}");
+    // The user's own choice of a method is kept.
+    let folder = Folder::new();
+    let answer = run(&folder, 2, &["solver.linear=hypre"], &["-ksp_type", "cg"]);
+    assert_failed(&folder, &answer, &FIRST);
+    assert!(answer.stderr.contains("the tangent is indefinite (iteration "), "{}", answer.stderr);
+}
+
+#[test]
+fn states_that_cycle_cut_the_step_and_the_instant_is_reached() {
+    let folder = Folder::new();
+    let scene = [
+        "time.instants=[1]",
+        "boundary.1.displacement.z={table: [[0, 0], [1, 1.14e-3]]}",
+        "interfaces.0.law.linear_softening.augmentation=0.6",
+    ];
+    let answer = run(&folder, 1, &scene, &[]);
+    assert_eq!((answer.status, answer.stderr.as_str()), (Some(0), ""));
+    let cut: Vec<&str> = answer.stdout.lines().filter(|l| l.ends_with("; halved")).collect();
+    assert!(
+        !cut.is_empty() && cut.iter().all(|l| l.contains("cycles between 2 states")),
+        "{cut:?}"
+    );
+    assert_eq!(folder.history("time"), ["1.0000000000000000e0"]);
+    // Each solve judges its start, which is no correction, and every correction.
+    let judged = |first: &str| answer.stdout.lines().filter(|l| l.starts_with(first)).count();
+    let corrections = judged("  correction ") - judged("  correction   0");
+    assert_eq!(folder.history("newton_iterations"), [corrections.to_string()]);
+    assert!(corrections > 10, "{corrections}");
+    // (K U - K delta_c) / (1 - K / h), K = 1.16e9 Pa/m.
+    let (k, h, delta_c) = (1.16e9, 1.1e6 * 1.1e6 / 1800.0, 1800.0 / 1.1e6);
+    let exact: f64 = k * (1.14e-3 - delta_c) / (1.0 - k / h);
+    let traction: f64 = folder.history("joint.normal_traction.mean")[0].parse().expect("a number");
+    assert!((traction / exact - 1.0).abs() < 1e-9, "{traction} {exact}");
+}
+
+#[test]
+fn a_missed_expectation_ends_with_status_1_and_one_message() {
+    let folder = Folder::new();
+    let expect = "expect=[{quantity: joint.normal_traction, at: 0.5, equals: 580000, relative: \
+                  1.0e-9}, {quantity: joint.damage, at: 1, equals: 1, absolute: 0.5}]";
+    for ranks in [1, 2] {
+        let answer = folder.run(ranks, &["case.yaml", "--quiet", "--set", expect]);
+        assert_eq!((answer.status, answer.stdout.as_str()), (Some(1), ""));
+        let begin = "error: 1 of 2 expectations missed; the first: joint.damage at 1 should be 1e0 \
+                     within 5e-1, but it is 7.517";
+        assert!(answer.stderr.starts_with(begin), "{}", answer.stderr);
+        assert!(answer.stderr.ends_with("; all of them are in out/report.json\n"));
+        assert_eq!(answer.stderr.lines().count(), 1);
+        assert_eq!(folder.report()["status"], "expectation_missed");
+    }
+}
