@@ -53,7 +53,8 @@ finish() {
     local status=$?
     local root
     for root in "$directory"/stage*; do
-        [ -d "$root" ] && umount -R "$root/proc" "$root/sys" "$root/dev" "$root/opt/rust" 2>/dev/null
+        # Not every stage has every mount.
+        umount -qR "$root/proc" "$root/sys" "$root/dev" "$root/opt/rust" 2>/dev/null || true
     done
     if [ "$keep" = yes ]; then
         printf 'docker_replay: kept in %s\n' "$directory" >&2

@@ -1,5 +1,6 @@
 //! The cells of one rank and their internal forces.
 
+use super::sweep::Sweep;
 use crate::bulk::Stiffness;
 
 /// Which cells a loop runs over.
@@ -19,6 +20,8 @@ pub struct Cells {
     prototype: Vec<u16>,
     stiffness: Vec<Stiffness>,
     layer: Vec<u32>,
+    all: Sweep,
+    near: Sweep,
 }
 
 impl Cells {
@@ -31,7 +34,10 @@ impl Cells {
         prototype: Vec<u16>,
         stiffness: Vec<Stiffness>,
     ) -> Self {
-        Self { dim, nodes_per_cell, nodes, prototype, stiffness, layer: Vec::new() }
+        let near = Sweep::new(dim, std::iter::empty());
+        let cells = nodes.chunks_exact(nodes_per_cell).zip(prototype.iter().copied());
+        let all = Sweep::new(dim, cells);
+        Self { dim, nodes_per_cell, nodes, prototype, stiffness, layer: Vec::new(), all, near }
     }
 
     /// Number of cells.
@@ -68,12 +74,19 @@ impl Cells {
         self.stiffness.iter().map(diagonal).fold(0.0, f64::max)
     }
 
+    /// The largest eigenvalue of any stiffness over its diagonal, 0 without cells.
+    pub fn largest_scaled_eigenvalue(&self) -> f64 {
+        self.stiffness.iter().map(Stiffness::largest_scaled_eigenvalue).fold(0.0, f64::max)
+    }
+
     /// The cells that touch a secondary node.
     pub fn layer(&self) -> &[u32] {
         &self.layer
     }
 
     pub(super) fn set_layer(&mut self, layer: Vec<u32>) {
+        let cells = layer.iter().map(|cell| *cell as usize);
+        self.near = Sweep::new(self.dim, cells.map(|c| (self.nodes(c), self.prototype[c])));
         self.layer = layer;
     }
 
@@ -85,25 +98,21 @@ impl Cells {
         set: CellSet,
         u: &[f64],
         force: &mut [f64],
-        mut magnitude: Option<&mut [f64]>,
+        magnitude: Option<&mut [f64]>,
     ) {
-        let dim = self.dim;
-        let n = self.nodes_per_cell * dim;
-        let (mut cell_u, mut cell_f) = (vec![0.0; n], vec![0.0; n]);
-        let count = if set == CellSet::All { self.len() } else { self.layer.len() };
-        for i in 0..count {
-            let cell = if set == CellSet::All { i } else { self.layer[i] as usize };
-            let nodes = self.nodes(cell);
-            for (a, node) in nodes.iter().enumerate() {
-                cell_u[a * dim..][..dim].copy_from_slice(&u[*node as usize * dim..][..dim]);
-            }
-            self.stiffness(cell).force(&cell_u, &mut cell_f);
-            for (a, node) in nodes.iter().enumerate() {
-                let own = &cell_f[a * dim..][..dim];
-                let target = &mut force[*node as usize * dim..][..dim];
-                target.iter_mut().zip(own).for_each(|(t, f)| *t += f);
-                if let Some(magnitude) = &mut magnitude {
-                    magnitude[*node as usize] += own.iter().map(|f| f * f).sum::<f64>().sqrt();
+        let sweep = if set == CellSet::All { &self.all } else { &self.near };
+        let modal = |prototype: u16| &self.stiffness[prototype as usize].modal;
+        sweep.add_forces(modal, u, force, magnitude);
+    }
+
+    /// Adds the diagonal of the stiffness (N/m), `dim` numbers per local node. Local.
+    pub fn add_diagonal(&self, diagonal: &mut [f64]) {
+        let (dim, n) = (self.dim, self.nodes_per_cell * self.dim);
+        for cell in 0..self.len() {
+            let matrix = &self.stiffness(cell).matrix;
+            for (a, node) in self.nodes(cell).iter().enumerate() {
+                for c in 0..dim {
+                    diagonal[*node as usize * dim + c] += matrix[(a * dim + c) * (n + 1)];
                 }
             }
         }

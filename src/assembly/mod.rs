@@ -5,11 +5,14 @@
 //! graphs do not depend on the state.
 
 mod cells;
+mod operator;
 mod pattern;
 mod saddle;
+mod sweep;
 mod tangent;
 
 pub use cells::{CellSet, Cells};
+pub use operator::TangentOperator;
 pub use pattern::Pattern;
 pub use saddle::{LawDerivative, SaddleTangent};
 pub use tangent::{NodeState, Tangent};

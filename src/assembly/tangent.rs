@@ -275,6 +275,51 @@ fn transform(
     }
 }
 
+/// Turns `diagonal`, that of the cells' stiffness at all local nodes, into that of the tangent;
+/// entries of ghosts are to be added to the owners afterwards, those of identity rows mean nothing.
+/// `state` gives the state of every entry of `all.secondary`. Local.
+pub(super) fn transformed_diagonal(
+    all: &Discretization,
+    state: &[NodeState],
+    diagonal: &mut [f64],
+) {
+    let dim = all.dim;
+    let mut coupled = Vec::new();
+    for cell in all.cells.layer() {
+        let nodes = all.cells.nodes(*cell as usize);
+        let stiffness = &all.cells.stiffness(*cell as usize).matrix;
+        all.coupled_nodes(*cell as usize, &mut coupled);
+        let expansions: Vec<Expansion> = nodes
+            .iter()
+            .flat_map(|n| (0..dim).map(|c| (*n, c)))
+            .map(|(n, c)| expand(all, state, n, c, &coupled))
+            .collect();
+        let n = expansions.len();
+        for (i, rows) in expansions.iter().enumerate() {
+            let own = nodes[i / dim] as usize * dim + i % dim;
+            diagonal[own] -= stiffness[i * n + i];
+            for (j, columns) in expansions.iter().enumerate().filter(|(j, _)| j % dim == i % dim) {
+                for (row, a) in rows {
+                    for (_, b) in columns.iter().filter(|(column, _)| column == row) {
+                        let target = coupled[*row] as usize * dim + i % dim;
+                        diagonal[target] += a * stiffness[i * n + j] * b;
+                    }
+                }
+            }
+        }
+    }
+    for (rows, state) in all.secondary[..all.owned_secondary()].iter().zip(state) {
+        for c in (0..dim).filter(|c| !state.stuck[*c]) {
+            let Some(row) = &rows.rows[c] else { continue };
+            let stiffness = row.weight * state.tangent[c][c];
+            diagonal[rows.node as usize * dim + c] += row.own * row.own * stiffness;
+            for (node, a) in &row.others {
+                diagonal[*node as usize * dim + c] += a * a * stiffness;
+            }
+        }
+    }
+}
+
 /// Adds the law's tangent at an owned secondary node: sum of weight a_k C a_l over its rows, and
 /// explicit zeros where the state may put a value later. Beside prescribed components the weights
 /// of a node's components differ; their geometric mean keeps the tangent symmetric, at the price of

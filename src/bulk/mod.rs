@@ -2,6 +2,8 @@
 
 mod elastic;
 mod loads;
+mod modal;
 
 pub use elastic::{Elastic, Stiffness};
 pub use loads::Loads;
+pub use modal::{MODES, Modal, partner};

@@ -45,6 +45,8 @@ pub enum Linear {
     Gamg,
     /// BoomerAMG
     Hypre,
+    /// Geometric multigrid without a matrix, over coarser lattices of the same column
+    Multigrid,
 }
 
 /// The algebraic form of the interface equations.

@@ -1,5 +1,6 @@
 //! The column generator: bodies stacked along z, each a lattice of boxes.
 
+use super::axes;
 use crate::case::{Case, Cells};
 use crate::error::{Error, Result};
 
@@ -14,25 +15,31 @@ pub struct Layer {
 
 /// One body: the cells between two neighbouring interfaces.
 #[derive(Debug, Clone)]
-struct Body {
-    /// Cells along x and y (y: 1 in 2D).
-    cells: [usize; 2],
-    layers: Vec<Layer>,
+pub(super) struct Body {
+    /// Cells of the finest lattice along x, y, z (y: 1 in 2D).
+    pub(super) finest: [usize; 3],
+    /// As the case describes them, before any refinement.
+    pub(super) layers: Vec<Layer>,
+    /// Planes of the finest lattice, along x, y, z, that bound the cells of this column.
+    pub(super) planes: [Vec<u32>; 3],
     first_node: u64,
     first_cell: u64,
 }
 
-/// A column at one level of refinement. Small: of the size of one line of cells, the same on every
-/// rank; everything of the size of the mesh is computed from it for the cells a rank owns.
+/// A column, or a coarser lattice nested in it. Small: of the size of one line of cells, the same
+/// on every rank; everything of the size of the mesh is computed from it for the cells a rank owns.
+///
+/// Every lattice of a family keeps a choice of the planes of the finest one, so that the nodes of
+/// a coarse lattice are nodes of the finer ones, to the last bit of their coordinates.
 #[derive(Debug, Clone)]
 pub struct Column {
     /// 2 (x, z; plane strain) or 3.
     pub dim: usize,
     /// Extent along x, y, z (m); y is 0 in 2D.
     pub size: [f64; 3],
-    /// Uniform refinements of the mesh that the case describes.
-    pub level: u32,
-    bodies: Vec<Body>,
+    /// Uniform refinements from the mesh that the case describes to the finest lattice.
+    pub(super) refinements: u32,
+    pub(super) bodies: Vec<Body>,
 }
 
 /// A cell by its place: body, and position along x, y, z in the body's lattice.
@@ -81,7 +88,7 @@ impl Surfaces {
 }
 
 impl Column {
-    /// The column of a case, not yet refined.
+    /// The column of a case, refined as the case says.
     ///
     /// # Errors
     /// `Input` when a material's height range leaves a layer without a material.
@@ -96,8 +103,8 @@ impl Column {
             .chain(std::iter::once(size[2]))
             .collect();
         let changes: Vec<f64> = case.materials.iter().flat_map(|m| m.z).flatten().collect();
+        let refinements = case.mesh.refine;
         let mut bodies = Vec::new();
-        let (mut first_node, mut first_cell) = (0, 0);
         for (index, ends) in planes.windows(2).enumerate() {
             let (cells, mut levels) = match &case.mesh.cells {
                 Cells::Whole(n) => (*n, uniform([0.0, size[2]], n[2])),
@@ -112,27 +119,37 @@ impl Column {
                     Ok(Layer { z, material: material_at(case, 0.5 * (z[0] + z[1]))? })
                 })
                 .collect::<Result<Vec<_>>>()?;
-            let cells = [cells[0], if dim == 2 { 1 } else { cells[1] }];
-            bodies.push(Body { cells, layers, first_node, first_cell });
-            let body = &bodies[index];
-            first_node += body.nodes(dim, 0).iter().map(|n| *n as u64).product::<u64>();
-            first_cell += body.extent(dim, 0).iter().map(|n| *n as u64).product::<u64>();
+            let y = if dim == 2 { 1 } else { cells[1] << refinements };
+            let finest = [cells[0] << refinements, y, layers.len() << refinements];
+            let planes = finest.map(|n| (0..=n as u32).collect());
+            bodies.push(Body { finest, layers, planes, first_node: 0, first_cell: 0 });
         }
-        Ok(Self { dim, size, level: 0, bodies })
+        let mut column = Self { dim, size, refinements, bodies };
+        column.number();
+        Ok(column)
     }
 
-    /// The same column after `levels` more uniform refinements.
-    pub fn refined(&self, levels: u32) -> Self {
-        let mut column = Self { level: self.level + levels, ..self.clone() };
-        let (mut first_node, mut first_cell) = (0, 0);
+    /// The lattice as the case describes it, before any refinement.
+    pub fn described(&self) -> Self {
+        let mut column = self.clone();
         for body in &mut column.bodies {
-            (body.first_node, body.first_cell) = (first_node, first_cell);
-            let (nodes, cells) =
-                (body.nodes(self.dim, column.level), body.extent(self.dim, column.level));
-            first_node += nodes.iter().map(|n| *n as u64).product::<u64>();
-            first_cell += cells.iter().map(|n| *n as u64).product::<u64>();
+            for (axis, planes) in body.planes.iter_mut().enumerate() {
+                let step = if axis == 1 && self.dim == 2 { 1 } else { 1u32 << self.refinements };
+                *planes = (0..=body.finest[axis] as u32).step_by(step as usize).collect();
+            }
         }
+        column.number();
         column
+    }
+
+    /// Gives nodes and cells their numbers.
+    pub(super) fn number(&mut self) {
+        let (mut first_node, mut first_cell) = (0, 0);
+        for body in &mut self.bodies {
+            (body.first_node, body.first_cell) = (first_node, first_cell);
+            first_node += product(body.nodes(self.dim));
+            first_cell += product(body.extent());
+        }
     }
 
     /// Number of bodies.
@@ -143,7 +160,7 @@ impl Column {
     /// Number of cells.
     pub fn cells(&self) -> u64 {
         let last = self.bodies.len() - 1;
-        self.bodies[last].first_cell + self.extent(last).iter().map(|n| *n as u64).product::<u64>()
+        self.bodies[last].first_cell + product(self.extent(last))
     }
 
     /// Number of nodes.
@@ -154,11 +171,11 @@ impl Column {
 
     /// Cells of a body along x, y, z.
     pub fn extent(&self, body: usize) -> [usize; 3] {
-        self.bodies[body].extent(self.dim, self.level)
+        self.bodies[body].extent()
     }
 
     fn node_extent(&self, body: usize) -> [usize; 3] {
-        self.bodies[body].nodes(self.dim, self.level)
+        self.bodies[body].nodes(self.dim)
     }
 
     /// The place of a cell.
@@ -203,18 +220,21 @@ impl Column {
     /// Position of a node (m).
     pub fn point(&self, node: u64) -> [f64; 3] {
         let NodePlace { body, at } = self.node_place(node);
-        let n = self.extent(body);
-        let along = |axis: usize| self.size[axis] * (at[axis] as f64 / n[axis] as f64);
-        let y = if self.dim == 2 { 0.0 } else { along(1) };
-        [along(0), y, self.height(body, at[2])]
+        let y = if self.dim == 2 { 0.0 } else { self.plane(body, 1, at[1]) };
+        [self.plane(body, 0, at[0]), y, self.plane(body, 2, at[2])]
     }
 
-    /// Height of a plane of nodes of a body (m).
-    fn height(&self, body: usize, k: usize) -> f64 {
-        let (layers, parts) = (&self.bodies[body].layers, 1usize << self.level);
-        let layer = (k / parts).min(layers.len() - 1);
+    /// Coordinate of a plane of nodes of a body along an axis (m).
+    pub fn plane(&self, body: usize, axis: usize, index: usize) -> f64 {
+        let Body { finest, layers, planes, .. } = &self.bodies[body];
+        let plane = planes[axis][index] as usize;
+        if axis < 2 {
+            return self.size[axis] * (plane as f64 / finest[axis] as f64);
+        }
+        let parts = 1usize << self.refinements;
+        let layer = (plane / parts).min(layers.len() - 1);
         let [low, high] = layers[layer].z;
-        let fraction = (k - layer * parts) as f64 / parts as f64;
+        let fraction = (plane - layer * parts) as f64 / parts as f64;
         if fraction == 1.0 { high } else { low + (high - low) * fraction }
     }
 
@@ -222,31 +242,36 @@ impl Column {
     /// on an interface belongs to the body below.
     pub fn locate(&self, point: [f64; 3]) -> (CellPlace, [f64; 3]) {
         let tolerance = 1e-12 * self.size[2];
-        let top = |b: usize| self.height(b, self.extent(b)[2]);
+        let top = |b: usize| self.plane(b, 2, self.extent(b)[2]);
         let body = (0..self.bodies.len() - 1).find(|b| point[2] <= top(*b) + tolerance);
         let body = body.unwrap_or(self.bodies.len() - 1);
         let n = self.extent(body);
         let (mut at, mut fraction) = ([0; 3], [0.0; 3]);
-        for axis in 0..2 {
-            if axis == 0 || self.dim == 3 {
-                let cells = point[axis] / self.size[axis] * n[axis] as f64;
-                at[axis] = (cells.max(0.0) as usize).min(n[axis] - 1);
-                fraction[axis] = cells - at[axis] as f64;
-            }
+        for axis in axes(self.dim).iter().copied() {
+            let upper = |k: usize| self.plane(body, axis, k + 1);
+            at[axis] = (0..n[axis] - 1).find(|k| point[axis] <= upper(*k)).unwrap_or(n[axis] - 1);
+            let (low, high) = (self.plane(body, axis, at[axis]), upper(at[axis]));
+            fraction[axis] = (point[axis] - low) / (high - low);
         }
-        at[2] = (0..n[2] - 1).find(|k| point[2] <= self.height(body, k + 1)).unwrap_or(n[2] - 1);
-        let (low, high) = (self.height(body, at[2]), self.height(body, at[2] + 1));
-        fraction[2] = (point[2] - low) / (high - low);
         (CellPlace { body, at }, fraction)
     }
 
     /// Edge lengths of a cell along x, y, z (m; y is 1 in 2D, the unit thickness) and its material.
     pub fn cell_size(&self, place: CellPlace) -> ([f64; 3], usize) {
-        let n = self.extent(place.body);
-        let layer = &self.bodies[place.body].layers[place.at[2] >> self.level];
-        let y = if self.dim == 2 { 1.0 } else { self.size[1] / n[1] as f64 };
-        let z = (layer.z[1] - layer.z[0]) / (1u64 << self.level) as f64;
-        ([self.size[0] / n[0] as f64, y, z], layer.material)
+        let body = &self.bodies[place.body];
+        let edge = |axis: usize| {
+            let cells = &body.planes[axis][place.at[axis]..];
+            self.size[axis] * (f64::from(cells[1] - cells[0]) / body.finest[axis] as f64)
+        };
+        let y = if self.dim == 2 { 1.0 } else { edge(1) };
+        let layer = &body.layers[body.planes[2][place.at[2]] as usize >> self.refinements];
+        let cells = body.planes[2][place.at[2] + 1] - body.planes[2][place.at[2]];
+        let z = if cells == 1 {
+            (layer.z[1] - layer.z[0]) / (1u64 << self.refinements) as f64
+        } else {
+            self.plane(place.body, 2, place.at[2] + 1) - self.plane(place.body, 2, place.at[2])
+        };
+        ([edge(0), y, z], layer.material)
     }
 
     /// The named surfaces a node lies on.
@@ -265,22 +290,36 @@ impl Column {
         Surfaces(conditions.iter().enumerate().map(|(bit, on)| u8::from(*on) << bit).sum())
     }
 
-    /// The cells that a coarse cell becomes after `levels` refinements; `self` is the coarse
-    /// column.
-    pub fn descendants(&self, place: CellPlace, levels: u32) -> Vec<CellPlace> {
-        let parts = 1usize << levels;
-        let y_parts = if self.dim == 2 { 1 } else { parts };
-        let mut list = Vec::with_capacity(parts * parts * y_parts);
-        for k in 0..parts {
-            for j in 0..y_parts {
-                for i in 0..parts {
-                    let [x, y, z] = place.at;
-                    let at = [x * parts + i, y * y_parts + j, z * parts + k];
-                    list.push(CellPlace { body: place.body, at });
-                }
+    /// The cells of the finer lattice `fine` that a cell of this lattice consists of.
+    pub fn children(&self, place: CellPlace, fine: &Self) -> Vec<CellPlace> {
+        let ranges: [_; 3] = std::array::from_fn(|axis| {
+            let ends = &self.bodies[place.body].planes[axis][place.at[axis]..];
+            let planes = &fine.bodies[place.body].planes[axis];
+            let at = |end: u32| planes.partition_point(|plane| *plane < end);
+            at(ends[0])..at(ends[1])
+        });
+        let [x, y, z] = ranges;
+        let body = place.body;
+        let row = |j, k| x.clone().map(move |i| CellPlace { body, at: [i, j, k] });
+        z.flat_map(|k| y.clone().flat_map(move |j| row(j, k).collect::<Vec<_>>())).collect()
+    }
+
+    /// Where a node of the finer lattice `fine` lies in this one: along each axis the plane of
+    /// nodes at or below it, and how far it is from there to the next one (0 to below 1).
+    pub fn place_in(&self, fine: &Self, node: NodePlace) -> ([usize; 3], [f64; 3]) {
+        let (mut at, mut fraction) = ([0; 3], [0.0; 3]);
+        for axis in axes(self.dim).iter().copied() {
+            let plane = fine.bodies[node.body].planes[axis][node.at[axis]];
+            let planes = &self.bodies[node.body].planes[axis];
+            at[axis] = planes.partition_point(|p| *p <= plane) - 1;
+            if planes[at[axis]] != plane {
+                let (low, high) = (at[axis], at[axis] + 1);
+                let low = self.plane(node.body, axis, low);
+                let x = fine.plane(node.body, axis, node.at[axis]);
+                fraction[axis] = (x - low) / (self.plane(node.body, axis, high) - low);
             }
         }
-        list
+        (at, fraction)
     }
 
     /// The cell behind a facet of a face; `at` is the facet's position along x, y.
@@ -311,24 +350,24 @@ impl Column {
             if axis == 1 && self.dim == 2 {
                 return 0..1;
             }
-            let step = self.size[axis] / n[axis] as f64;
             // A facet that only touches the box is left out.
-            let first = (low[axis] / step + 1e-9).floor().max(0.0) as usize;
-            let last = (high[axis] / step - 1e-9).ceil().max(0.0) as usize;
-            first..last.min(n[axis])
+            let margin = 1e-9 * self.size[axis] / self.bodies[face.body].finest[axis] as f64;
+            let plane = |k: usize| self.plane(face.body, axis, k);
+            let first = (0..n[axis]).find(|k| plane(k + 1) > low[axis] + margin);
+            let end = (0..n[axis]).rfind(|k| plane(*k) < high[axis] - margin);
+            first.unwrap_or(n[axis])..end.map_or(0, |k| k + 1)
         };
         range(1).flat_map(|j| range(0).map(move |i| [i, j])).collect()
     }
 }
 
 impl Body {
-    fn extent(&self, dim: usize, level: u32) -> [usize; 3] {
-        let y = if dim == 2 { 1 } else { self.cells[1] << level };
-        [self.cells[0] << level, y, self.layers.len() << level]
+    fn extent(&self) -> [usize; 3] {
+        [0, 1, 2].map(|axis| self.planes[axis].len() - 1)
     }
 
-    fn nodes(&self, dim: usize, level: u32) -> [usize; 3] {
-        let [x, y, z] = self.extent(dim, level);
+    fn nodes(&self, dim: usize) -> [usize; 3] {
+        let [x, y, z] = self.extent();
         [x + 1, if dim == 2 { 1 } else { y + 1 }, z + 1]
     }
 }

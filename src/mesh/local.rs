@@ -17,7 +17,7 @@ pub struct Prototype {
 /// Local nodes are numbered by rising name; the numbering of the unknowns reorders them later.
 #[derive(Debug, Clone)]
 pub struct LocalMesh {
-    /// The whole column, at the level of these cells.
+    /// The lattice of these cells.
     pub column: Column,
     /// Cell names, rising.
     pub cells: Vec<u64>,
@@ -32,17 +32,10 @@ pub struct LocalMesh {
 }
 
 impl LocalMesh {
-    /// The mesh of the given cells of `coarse`, refined `levels` times. Local.
-    pub fn refine(coarse: &Column, cells: &[u64], levels: u32, coarse_cells: u64) -> Self {
-        let column = coarse.refined(levels);
-        let mut fine: Vec<u64> = cells
-            .iter()
-            .flat_map(|c| coarse.descendants(coarse.cell_place(*c), levels))
-            .map(|place| column.cell(place))
-            .collect();
-        fine.sort_unstable();
+    /// The mesh of the given cells of `column`, rising. Local.
+    pub fn new(column: &Column, cells: Vec<u64>, coarse_cells: u64) -> Self {
         let mut prototypes: Vec<Prototype> = Vec::new();
-        let cell_prototype = fine
+        let cell_prototype = cells
             .iter()
             .map(|cell| {
                 let (size, material) = column.cell_size(column.cell_place(*cell));
@@ -58,10 +51,19 @@ impl LocalMesh {
             })
             .collect();
         let mut nodes: Vec<u64> =
-            fine.iter().flat_map(|c| column.cell_nodes(column.cell_place(*c))).collect();
+            cells.iter().flat_map(|c| column.cell_nodes(column.cell_place(*c))).collect();
         nodes.sort_unstable();
         nodes.dedup();
-        Self { column, cells: fine, cell_prototype, prototypes, nodes, coarse_cells }
+        Self { column: column.clone(), cells, cell_prototype, prototypes, nodes, coarse_cells }
+    }
+
+    /// The cells of the finer lattice `fine` that this rank's cells consist of. Local.
+    pub fn refined(&self, fine: &Column) -> Self {
+        let children = |cell: &u64| self.column.children(self.column.cell_place(*cell), fine);
+        let mut cells: Vec<u64> =
+            self.cells.iter().flat_map(children).map(|place| fine.cell(place)).collect();
+        cells.sort_unstable();
+        Self::new(fine, cells, self.coarse_cells)
     }
 
     /// Displacement components per node.

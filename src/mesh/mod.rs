@@ -4,6 +4,7 @@
 //! are named by numbers that follow from their place in the lattice, so a name means the same on
 //! every rank, on any number of ranks, and a refined mesh needs no numbering of its own.
 
+mod coarsen;
 mod column;
 mod local;
 

@@ -14,6 +14,9 @@ use crate::mesh::{CellPlace, Column, Facets};
 /// Weight of the edge between two facing cells of an interface, against 1 within a body.
 const PAIR_WEIGHT: i32 = 8;
 
+/// Work of the largest cell; small enough for the 32-bit sums of METIS.
+const MOST_WORK: f64 = 64.0;
+
 /// How the cells are shared out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
@@ -62,7 +65,7 @@ fn lists(column: &Column, parts: usize, method: Method) -> Result<Vec<Vec<u64>>>
         Method::Scattered => (0..cells).map(|c| (mix(c) % parts as u64) as i32).collect(),
         Method::Metis => {
             let graph = Graph::new(column)?;
-            metis::cut(&graph.start, &graph.neighbours, &graph.weights, parts)?
+            metis::cut(&graph.start, &graph.neighbours, &graph.weights, &graph.work, parts)?
         }
     };
     for (cell, rank) in rank_of.iter().enumerate() {
@@ -84,6 +87,8 @@ struct Graph {
     start: Vec<i32>,
     neighbours: Vec<i32>,
     weights: Vec<i32>,
+    /// Work of each cell: the cells of the finest lattice in it, the most being [`MOST_WORK`].
+    work: Vec<i32>,
 }
 
 impl Graph {
@@ -95,7 +100,13 @@ impl Graph {
                  give a coarser mesh and refine it with mesh.refine"
             )));
         }
-        let mut graph = Self { start: vec![0], neighbours: Vec::new(), weights: Vec::new() };
+        let sizes: Vec<u64> =
+            (0..cells).map(|c| column.finest_cells(column.cell_place(c))).collect();
+        let largest = sizes.iter().copied().max().unwrap_or(1) as f64;
+        let work = |size: &u64| (MOST_WORK * *size as f64 / largest).round().max(1.0) as i32;
+        let work = sizes.iter().map(work).collect();
+        let (neighbours, weights) = (Vec::new(), Vec::new());
+        let mut graph = Self { start: vec![0], neighbours, weights, work };
         for cell in 0..cells {
             let place = column.cell_place(cell);
             graph.add_neighbours_within_body(column, place);
@@ -132,9 +143,7 @@ impl Graph {
             .then(|| Facets { body: place.body - 1, upper: true });
         let above = (place.at[2] == top && place.body + 1 < column.bodies())
             .then(|| Facets { body: place.body + 1, upper: false });
-        let ([dx, dy, _], _) = column.cell_size(place);
-        let low = [place.at[0] as f64 * dx, place.at[1] as f64 * dy];
-        let high = [low[0] + dx, low[1] + dy];
+        let (low, high) = column.footprint(place);
         for face in [below, above].into_iter().flatten() {
             for at in column.facets_over(face, low, high) {
                 self.push(column, column.facet_cell(face, at), PAIR_WEIGHT);

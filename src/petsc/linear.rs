@@ -111,7 +111,7 @@ impl Ksp {
         Ok(Ksp { raw })
     }
 
-    fn pc(self) -> Result<ffi::PC> {
+    pub(super) fn pc(self) -> Result<ffi::PC> {
         let mut pc = ptr::null_mut();
         // SAFETY: a valid solver.
         check(unsafe { ffi::KSPGetPC(self.raw, &mut pc) }, "KSPGetPC")?;

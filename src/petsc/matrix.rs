@@ -93,6 +93,17 @@ impl Matrix {
         Ok(matrix)
     }
 
+    /// Takes over a valid matrix.
+    pub(super) fn from_raw(
+        raw: ffi::Mat,
+        petsc: &Petsc,
+        owned: usize,
+        global: i32,
+        block_size: usize,
+    ) -> Self {
+        Matrix { raw, petsc: petsc.clone(), owned, global, block_size }
+    }
+
     /// Takes back that the matrix is symmetric. Collective, before the first values.
     ///
     /// # Errors

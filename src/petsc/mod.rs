@@ -8,13 +8,17 @@ mod error;
 pub(crate) mod ffi;
 mod linear;
 mod matrix;
+mod multigrid;
 mod session;
+mod shell;
 mod snes;
 mod vector;
 
 pub use linear::{KspSetup, LinearFailure, LinearReason};
 pub use matrix::Matrix;
+pub use multigrid::MultigridLevel;
 pub use session::{Petsc, Stage};
+pub use shell::LinearOperator;
 pub use snes::{
     LinearTolerance, NonlinearSystem, Snes, SnesReason, SolveReport, TangentChange, Verdict,
 };

@@ -9,7 +9,7 @@ pub use report::{SnesReason, SolveReport};
 
 use super::error::{c_string, check, forget};
 use super::linear::{Ksp, KspSetup, LinearFailure};
-use super::{Matrix, Petsc, Vector, ffi};
+use super::{Matrix, MultigridLevel, Petsc, Vector, ffi};
 use crate::error::{Error, Result};
 use callbacks::{Context, UserSet};
 use std::ffi::c_void;
@@ -93,6 +93,8 @@ pub struct Snes {
     user: UserSet,
     /// Whether the last linear solve failed.
     failed: bool,
+    /// Whether the preconditioner has levels that were given to it.
+    has_levels: bool,
     petsc: Petsc,
 }
 
@@ -105,6 +107,21 @@ impl Snes {
     /// # Errors
     /// `System` when an option has a wrong value or PETSc fails.
     pub fn new(petsc: &Petsc, prefix: &str, matrix: Matrix, setup: &KspSetup) -> Result<Self> {
+        Self::with_levels(petsc, prefix, matrix, setup, &[])
+    }
+
+    /// As [`Snes::new`], preconditioned by multigrid over `levels`, coarsest first; the finest one
+    /// has the solver's matrix. Collective.
+    ///
+    /// # Errors
+    /// As [`Snes::new`].
+    pub fn with_levels(
+        petsc: &Petsc,
+        prefix: &str,
+        matrix: Matrix,
+        setup: &KspSetup,
+        levels: &[MultigridLevel<'_>],
+    ) -> Result<Self> {
         let mut raw = ptr::null_mut();
         // SAFETY: PETSc is initialised and the communicator is alive.
         check(unsafe { ffi::SNESCreate(petsc.comm().raw(), &mut raw) }, "SNESCreate")?;
@@ -122,8 +139,12 @@ impl Snes {
         let (defaults, prefix) = (Vec::new(), prefix.to_string());
         let petsc = petsc.clone();
         let user = UserSet::default();
-        let failed = false;
-        let mut snes = Snes { raw, matrix, residual, ksp, defaults, prefix, user, failed, petsc };
+        let (failed, has_levels) = (false, !levels.is_empty());
+        let mut snes =
+            Snes { raw, matrix, residual, ksp, defaults, prefix, user, failed, has_levels, petsc };
+        if has_levels {
+            ksp.use_multigrid(levels)?;
+        }
         snes.configure(setup)?;
         Ok(snes)
     }
@@ -201,7 +222,7 @@ impl Snes {
                 self.matrix.owned_rows()
             )));
         }
-        if self.failed {
+        if self.failed && !self.has_levels {
             // MUMPS refuses to use a factor again after a failure.
             self.ksp.reset()?;
             self.failed = false;

@@ -2,7 +2,7 @@
 #include <petscsnes.h>
 #include <metis.h>
 // bind variables: PETSC_COMM_WORLD PETSC_DEFAULT PetscTrFree PETSC_ERR_.* PETSC_VERSION_.* METIS_OPTION_.* METIS_NOPTIONS METIS_OK
-// bind types: PetscInt PetscReal PetscScalar PetscBool PetscErrorCode PetscErrorType InsertMode MatAssemblyType MatOption NormType ScatterMode SNESConvergedReason KSPConvergedReason PCFailedReason KSPNormType MatInfo MatInfoType PetscCopyMode idx_t real_t moptions_et rstatus_et
+// bind types: PetscInt PetscReal PetscScalar PetscBool PetscErrorCode PetscErrorType InsertMode MatAssemblyType MatOption MatOperation NormType ScatterMode SNESConvergedReason KSPConvergedReason PCFailedReason KSPNormType MatInfo MatInfoType PetscCopyMode idx_t real_t moptions_et rstatus_et
 // bind functions: PetscInitialize PetscFinalize PetscPushErrorHandler PetscPopErrorHandler PetscErrorMessage PetscGetVersionNumber
 // bind functions: PetscOptionsInsertString PetscOptionsSetValue PetscOptionsClearValue PetscOptionsInsertArgs PetscOptionsGetAll PetscOptionsLeftGet PetscOptionsLeftRestore
 // bind functions: PetscLogStageRegister PetscLogStagePush PetscLogStagePop
@@ -13,5 +13,6 @@
 // bind functions: KSPGetPC KSPGetIterationNumber KSPGetConvergedReason KSPSetTolerances KSPReset KSPGetResidualNorm KSPGetType
 // bind functions: PCFactorGetMatrix PCFactorGetMatSolverType PCGetType PCGetFailedReason
 // bind functions: SNESCreate SNESDestroy SNESSetType SNESSetLagPreconditioner SNESSetFunction SNESSetJacobian SNESSetFromOptions SNESSetOptionsPrefix SNESSolve SNESGetKSP SNESGetConvergedReason SNESGetIterationNumber SNESGetLinearSolveIterations SNESSetConvergenceTest SNESSetTolerances SNESGetLineSearch SNESLineSearchSetPreCheck SNESLineSearchSetType SNESGetFunction SNESGetSolution
+// bind functions: MatCreateShell MatShellSetOperation MatShellGetContext PCSetType PCMGSetLevels PCMGSetInterpolation PCMGGetSmoother KSPSetOperators KSPSetType KSPChebyshevSetEigenvalues
 // bind functions: METIS_MeshToDual METIS_PartGraphKway METIS_PartGraphRecursive METIS_SetDefaultOptions METIS_Free
 // bind functions: KSPSetPreSolve KSPSetInitialGuessNonzero

@@ -27,8 +27,7 @@ pub fn schema() -> String {
 /// `Input` with everything that is wrong.
 pub fn check(path: &Path, overrides: &[String]) -> Result<String> {
     let case = Case::read(&read_text(path)?, path, overrides)?;
-    let coarse = Column::new(&case)?;
-    let column = coarse.refined(case.mesh.refine);
+    let column = Column::new(&case)?;
     let unknowns = column.nodes() * case.dim as u64;
     let choice = LinearChoice::new(&case, &column);
     if column.nodes() <= MOST_NODES {
@@ -37,8 +36,7 @@ pub fn check(path: &Path, overrides: &[String]) -> Result<String> {
         let largest = prescribed.largest_value(&nodes, &case.time);
         let checked = largest.and_then(|l| prescribed.check_agreement(&nodes, &case.time, l));
         checked.map_err(|AtNode(_, error)| error)?;
-        let cells: Vec<u64> = (0..coarse.cells()).collect();
-        let mesh = LocalMesh::refine(&coarse, &cells, case.mesh.refine, coarse.cells());
+        let mesh = LocalMesh::new(&column, (0..column.cells()).collect(), column.cells());
         Loads::new(&case, &mesh).check(&case.time)?;
     }
     let bytes = unknowns as f64 * choice.bytes_per_unknown().unwrap_or(MULTIGRID_BYTES);

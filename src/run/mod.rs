@@ -21,7 +21,7 @@ use crate::report::expectations::{Outcome, evaluate};
 use crate::report::{LeftOut, LinearSolver, Model as Modelled, Partition, Report, Status};
 use crate::report::{memory, tables, versions};
 use crate::runtime::Runtime;
-use crate::solve::{self, Model};
+use crate::solve::{self, LinearChoice, MULTIGRID, Model};
 use crate::timers::{Phase, Timers};
 use fields::FieldWriter;
 
@@ -39,6 +39,9 @@ pub fn execute(command: &Command) -> u8 {
     screen::print_once(&answer);
     answer.map_or_else(|error| error.exit_status(), |_| 0)
 }
+
+/// A lattice of fewer cells per rank is not worth a level, and too few for an even partition.
+const COARSEST_CELLS: u64 = 64;
 
 /// Starts MPI and PETSc, runs the case, and ends with one message if it fails.
 fn run(options: &RunOptions) -> u8 {
@@ -104,17 +107,27 @@ fn build<'a>(runtime: &'a Runtime, timers: &'a Timers, case: &'a Case) -> Result
         let _phase = timers.enter(Phase::Mesh);
         comm.agree(Column::new(case))?
     };
+    let choice = LinearChoice::new(case, &column);
+    let columns = if choice.preset == MULTIGRID {
+        column.hierarchy(COARSEST_CELLS * comm.size() as u64)
+    } else {
+        vec![column.described(), column]
+    };
     let (cells, before) = {
         let _phase = timers.enter(Phase::Partition);
-        partition::distribute(comm, &column, Method::from_environment())?
+        partition::distribute(comm, &columns[0], Method::from_environment())?
     };
-    let mesh = {
+    let meshes = {
         let _phase = timers.enter(Phase::Mesh);
-        LocalMesh::refine(&column, &cells, case.mesh.refine, before)
+        let mut meshes = vec![LocalMesh::new(&columns[0], cells, before)];
+        for column in &columns[1..] {
+            meshes.push(meshes[meshes.len() - 1].refined(column));
+        }
+        meshes
     };
     fault::strike(comm, "distribute")?;
     let _phase = timers.enter(Phase::Assembly);
-    solve::build(runtime, timers, case, mesh)
+    solve::build(runtime, timers, case, choice, meshes)
 }
 
 /// What a run carries from instant to instant.

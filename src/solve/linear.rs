@@ -60,8 +60,23 @@ const HYPRE: &[(&str, &str)] = &[
     ("pc_hypre_boomeramg_relax_type_all", "Chebyshev"),
 ];
 
+/// Conjugate gradients with geometric multigrid; the levels come from the mesh.
+const LEVELS: &[(&str, &str)] = &[
+    ("ksp_type", "cg"),
+    ("ksp_max_it", "500"),
+    ("pc_type", "mg"),
+    ("mg_coarse_ksp_type", "preonly"),
+    ("mg_coarse_pc_type", "cholesky"),
+    ("mg_coarse_pc_factor_mat_solver_type", "mumps"),
+    ("mg_coarse_mat_mumps_icntl_14", "100"),
+];
+
+/// Name of the preset that needs a hierarchy of meshes.
+pub const MULTIGRID: &str = "multigrid";
+
 /// The presets by name; a new one is a line here.
-const PRESETS: &[(&str, &[(&str, &str)])] = &[("mumps", MUMPS), ("gamg", GAMG), ("hypre", HYPRE)];
+const PRESETS: &[(&str, &[(&str, &str)])] =
+    &[("mumps", MUMPS), ("gamg", GAMG), ("hypre", HYPRE), (MULTIGRID, LEVELS)];
 
 /// Direct elimination is taken up to this many operations per unknown. Eight instants of the column:
 /// MUMPS against BoomerAMG 2.0 to 2.6 s at 9e4 (8 x 8 x 40 cells), 10.4 to 8.7 s at 4e5 (12 x 12 x 60).
@@ -80,6 +95,7 @@ impl LinearChoice {
             Linear::Mumps => Self::named("mumps", "asked for".into()),
             Linear::Gamg => Self::named("gamg", "asked for".into()),
             Linear::Hypre => Self::named("hypre", "asked for".into()),
+            Linear::Multigrid => Self::named(MULTIGRID, "asked for".into()),
             Linear::Auto => Self::automatic(column),
         }
     }

@@ -12,7 +12,7 @@ mod stepping;
 
 pub use energy::Energy;
 pub use interfaces::{InterfaceState, NodeResponse};
-pub use linear::LinearChoice;
+pub use linear::{LinearChoice, MULTIGRID};
 pub use problem::Problem;
 pub use setup::{Model, build};
 pub use stepping::{Accepted, Stepper};

@@ -4,6 +4,8 @@
 //! linear system of the condensed form (docs/theory.md), whose solution becomes a direction in the
 //! displacements by [`Problem::direction`].
 
+use std::rc::Rc;
+
 use super::convergence::{Convergence, Worst};
 use super::interfaces::InterfaceState;
 use super::linear::LinearTarget;
@@ -11,10 +13,21 @@ use super::recycle::Recycle;
 use crate::assembly::{CellSet, Discretization, NodeState, Tangent};
 use crate::bulk::Loads;
 use crate::comm::Comm;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::fault;
+use crate::multigrid::Hierarchy;
 use crate::petsc::{LinearTolerance, Matrix, NonlinearSystem, TangentChange, Verdict};
 use crate::timers::{Phase, Timers};
+
+/// How the tangent of the condensed form is held.
+pub enum TangentForm {
+    /// As a matrix.
+    Assembled(Tangent),
+    /// As the operator of the finest level of a hierarchy, without a matrix.
+    Levels(Hierarchy),
+    /// Not at all: another form takes its place.
+    Elsewhere,
+}
 
 /// One rank's share of the problem.
 pub struct Problem<'a> {
@@ -22,7 +35,7 @@ pub struct Problem<'a> {
     pub comm: &'a Comm,
     pub(super) timers: &'a Timers,
     /// Cells, nodes, rows.
-    pub all: Discretization,
+    pub all: Rc<Discretization>,
     /// Loads on the bulk.
     pub loads: Loads,
     /// Laws and history.
@@ -31,7 +44,9 @@ pub struct Problem<'a> {
     pub convergence: Convergence,
     /// How far linear systems are solved.
     pub linear: LinearTarget,
-    pub(super) tangent: Tangent,
+    form: TangentForm,
+    /// Entry of identity rows (N/m).
+    diagonal: f64,
     /// Displacements of all local nodes at the last evaluated state (m).
     pub displacement: Vec<f64>,
     /// Load of this rank's cells at the target time, per local node, not summed (N).
@@ -54,10 +69,10 @@ impl<'a> Problem<'a> {
     pub fn new(
         comm: &'a Comm,
         timers: &'a Timers,
-        all: Discretization,
+        all: Rc<Discretization>,
         loads: Loads,
         interfaces: InterfaceState,
-        tangent: Tangent,
+        (form, diagonal): (TangentForm, f64),
         convergence: Convergence,
         linear: LinearTarget,
         recycle: Recycle,
@@ -70,7 +85,8 @@ impl<'a> Problem<'a> {
             interfaces,
             convergence,
             linear,
-            tangent,
+            form,
+            diagonal,
             displacement: vec![0.0; size],
             load: vec![0.0; size],
             bulk_force: vec![0.0; size],
@@ -208,7 +224,7 @@ impl NonlinearSystem for Problem<'_> {
         for (rows, response) in all.secondary.iter().zip(&self.interfaces.response) {
             for c in (0..dim).filter(|c| rows.rows[*c].is_some() && response.state.stuck[*c]) {
                 let own = rows.node as usize * dim + c;
-                f[own] = self.tangent.diagonal * known[own];
+                f[own] = self.diagonal * known[own];
             }
         }
         Ok(())
@@ -220,7 +236,20 @@ impl NonlinearSystem for Problem<'_> {
             return Ok(TangentChange::Unchanged);
         }
         let _phase = self.timers.enter(Phase::Assembly);
-        self.tangent.assemble(self.comm, &self.all, &state, matrix)?;
+        match &mut self.form {
+            TangentForm::Assembled(tangent) => {
+                tangent.assemble(self.comm, &self.all, &state, matrix)?;
+            }
+            TangentForm::Levels(hierarchy) => {
+                hierarchy.set_state(self.comm, &state, matrix)?;
+                // The levels are set up in no time.
+                self.assembled_state = Some(state);
+                return Ok(TangentChange::Changed);
+            }
+            TangentForm::Elsewhere => {
+                return Err(Error::Bug("a tangent that is held elsewhere".into()));
+            }
+        }
         let serves = self
             .preconditioned
             .as_ref()
@@ -257,7 +286,7 @@ impl NonlinearSystem for Problem<'_> {
     fn initial_guess(&mut self, matrix: &Matrix, rhs: &[f64], guess: &mut [f64]) -> Result<()> {
         let free = self.free_components();
         let uncoupled = free.iter().zip(rhs).zip(guess.iter_mut()).filter(|((free, _), _)| !**free);
-        uncoupled.for_each(|((_, rhs), guess)| *guess = rhs / self.tangent.diagonal);
+        uncoupled.for_each(|((_, rhs), guess)| *guess = rhs / self.diagonal);
         self.recycle.guess(self.comm, matrix, &free, rhs, guess)
     }
 

@@ -1,18 +1,22 @@
 //! From a case and this rank's cells to a problem that is ready to be solved.
 
+use std::rc::Rc;
+
 use super::convergence::Convergence;
 use super::interfaces::{InterfaceState, JointLaw};
-use super::linear::{LinearChoice, LinearTarget};
-use super::problem::Problem;
+use super::linear::{LinearChoice, LinearTarget, MULTIGRID};
+use super::problem::{Problem, TangentForm};
 use super::recycle::Recycle;
 use super::saddle::SaddlePoint;
 use super::stepping::Stepper;
 use crate::assembly::{Cells, Discretization, Pattern, SaddleTangent, Tangent};
 use crate::bulk::{Elastic, Loads, Stiffness};
 use crate::case::{Case, Form};
+use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::interface::{Sides, jump_rows};
-use crate::mesh::{LocalMesh, axes};
+use crate::mesh::{Column, LocalMesh, axes};
+use crate::multigrid::Hierarchy;
 use crate::petsc::{KspSetup, Matrix, Snes, Vector};
 use crate::runtime::Runtime;
 use crate::space::{AtNode, Directory, Nodes, Prescribed};
@@ -32,18 +36,21 @@ pub struct Model<'a> {
     pub unknowns: u64,
 }
 
-/// Builds the problem of `mesh`. Collective.
+/// Builds the problem of the last of `meshes`, which are nested, coarsest first; only multigrid
+/// uses the others. Collective.
 ///
 /// # Errors
-/// `Input` when boundary entries disagree, a formula gives no finite number at an instant, or a side of an interface is not covered; `System` when
-/// PETSc fails.
+/// `Input` when boundary entries disagree, a formula gives no finite number at an instant, or a
+/// side of an interface is not covered; `System` when PETSc fails.
 pub fn build<'a>(
     runtime: &'a Runtime,
     timers: &'a Timers,
     case: &'a Case,
-    mesh: LocalMesh,
+    choice: LinearChoice,
+    mut meshes: Vec<LocalMesh>,
 ) -> Result<Model<'a>> {
     let comm = &runtime.comm;
+    let Some(mesh) = meshes.pop() else { return Err(Error::Bug("no mesh".into())) };
     let prescribed = Prescribed::new(case, &mesh.column);
     let mut largest = [AtNode::agree(comm, prescribed.largest_value(&mesh.nodes, &case.time))?];
     comm.max(&mut largest);
@@ -53,8 +60,51 @@ pub fn build<'a>(
     comm.agree(loads.check(&case.time))?;
     let sides = Sides::choose(case, &mesh.column);
 
+    let all = Rc::new(discretize(comm, case, &mesh, &sides)?);
+    let dim = case.dim;
+    let unknowns = all.nodes.total * dim as u64;
+    if i32::try_from(unknowns).is_err() {
+        return Err(Error::Input(format!(
+            "{unknowns} unknowns are more than the 32-bit indices of this PETSc can number; \
+             use a coarser mesh"
+        )));
+    }
+    let laws = joint_laws(case, &mesh, &sides);
+    let interfaces = InterfaceState::new(dim, laws, all.owned_secondary());
+    let names = case.interfaces.iter().map(|i| i.name.clone()).collect();
+    let solver = &case.solver;
+    let convergence = Convergence::new(solver.tolerance, solver.max_newton, &mesh.column, names);
+    let target = LinearTarget::new(solver.tolerance);
+    let recycle = Recycle::new(&runtime.petsc, all.nodes.owned * dim, dim)?;
+
+    let mut levels = Vec::new();
+    if choice.preset == MULTIGRID {
+        for mesh in meshes {
+            let all = discretize(comm, case, &mesh, &sides)?;
+            levels.push((mesh.column.clone(), Rc::new(all)));
+        }
+        levels.push((mesh.column.clone(), Rc::clone(&all)));
+    }
+    let system = system(runtime, case, &choice, &mesh, &all, levels)?;
+    let System { snes, form, diagonal, saddle, rows } = system;
+    let x = Vector::new(&runtime.petsc, rows, dim)?;
+    let form = (form, diagonal);
+    let problem =
+        Problem::new(comm, timers, all, loads, interfaces, form, convergence, target, recycle);
+    let stepper = Stepper::new(case, problem, snes, saddle, x, prescribed);
+    Ok(Model { stepper, mesh, sides, choice, unknowns })
+}
+
+/// Nodes, cells and jump rows of a mesh. Collective.
+fn discretize(
+    comm: &Comm,
+    case: &Case,
+    mesh: &LocalMesh,
+    sides: &[Sides],
+) -> Result<Discretization> {
+    let prescribed = Prescribed::new(case, &mesh.column);
     let directory = Directory::new(comm, mesh.column.nodes(), &mesh.nodes);
-    let rows = jump_rows(comm, &mesh, &sides, &prescribed, &directory)?;
+    let rows = jump_rows(comm, mesh, sides, &prescribed, &directory)?;
     let mut needed = mesh.nodes.clone();
     needed.extend(
         rows.iter()
@@ -63,54 +113,67 @@ pub fn build<'a>(
     );
     let nodes = Nodes::new(comm, &directory, &needed)?;
     drop(directory);
+    let cells = cells(case, mesh, &nodes);
+    Ok(Discretization::new(case.dim, cells, nodes, &prescribed, rows))
+}
 
-    let cells = cells(case, &mesh, &nodes);
-    let largest_diagonal = {
-        let mut largest = [cells.largest_diagonal()];
-        comm.max(&mut largest);
-        largest[0]
-    };
-    let dim = case.dim;
-    let all = Discretization::new(dim, cells, nodes, &prescribed, rows);
-    let unknowns = all.nodes.total * dim as u64;
-    if i32::try_from(unknowns).is_err() {
-        return Err(Error::Input(format!(
-            "{unknowns} unknowns are more than the 32-bit indices of this PETSc can number; \
-             use a coarser mesh"
-        )));
+/// The solver with the form of its tangent.
+struct System {
+    snes: Snes,
+    form: TangentForm,
+    diagonal: f64,
+    saddle: Option<SaddlePoint>,
+    /// Unknowns of this rank.
+    rows: usize,
+}
+
+/// Sets up SNES with the matrix, the levels of multigrid, or the saddle-point form. Collective.
+fn system(
+    runtime: &Runtime,
+    case: &Case,
+    choice: &LinearChoice,
+    mesh: &LocalMesh,
+    all: &Rc<Discretization>,
+    levels: Vec<(Column, Rc<Discretization>)>,
+) -> Result<System> {
+    let (comm, petsc, dim) = (&runtime.comm, &runtime.petsc, all.dim);
+    let mut largest = [all.cells.largest_diagonal()];
+    comm.max(&mut largest);
+    let diagonal = largest[0];
+    let setup = KspSetup::new(&choice.options);
+    if !levels.is_empty() {
+        let hierarchy = Hierarchy::new(comm, petsc, levels)?;
+        let rows = all.nodes.owned * dim;
+        let matrix = Matrix::shell(petsc, rows, rows, dim, hierarchy.finest().clone())?;
+        let snes = Snes::with_levels(petsc, "", matrix, &setup, &hierarchy.levels())?;
+        return Ok(System {
+            snes,
+            form: TangentForm::Levels(hierarchy),
+            diagonal,
+            saddle: None,
+            rows,
+        });
     }
-
-    let pattern = Pattern::new(comm, &all);
-    let saddle = (case.solver.form == Form::SaddlePoint)
-        .then(|| SaddleTangent::new(comm, &all, largest_diagonal));
-    let (diagonal, off_diagonal) = match &saddle {
-        None => pattern.counts(all.nodes.first),
-        Some(saddle) => saddle.counts(comm, &all),
-    };
-    let rows = diagonal.len() * dim;
-    let mut matrix = Matrix::new(&runtime.petsc, rows, dim, &diagonal, &off_diagonal)?;
-    if saddle.is_some() {
+    if case.solver.form == Form::SaddlePoint {
+        let saddle = SaddleTangent::new(comm, all, diagonal);
+        let (own, other) = saddle.counts(comm, all);
+        let rows = own.len() * dim;
+        let mut matrix = Matrix::new(petsc, rows, dim, &own, &other)?;
         matrix.declare_unsymmetric()?;
+        let snes = Snes::new(petsc, "", matrix, &setup)?;
+        let saddle = Some(SaddlePoint::new(saddle));
+        return Ok(System { snes, form: TangentForm::Elsewhere, diagonal, saddle, rows });
     }
-    let choice = LinearChoice::new(case, &mesh.column);
+    let pattern = Pattern::new(comm, all);
+    let (own, other) = pattern.counts(all.nodes.first);
+    let rows = own.len() * dim;
+    let mut matrix = Matrix::new(petsc, rows, dim, &own, &other)?;
     if choice.preset == "gamg" {
-        set_rigid_motions(runtime, &mesh, &all, &mut matrix)?;
+        set_rigid_motions(runtime, mesh, all, &mut matrix)?;
     }
-    let tangent = Tangent::new(&all, pattern, largest_diagonal);
-    let laws = joint_laws(case, &mesh, &sides);
-    let interfaces = InterfaceState::new(dim, laws, all.owned_secondary());
-    let names = case.interfaces.iter().map(|i| i.name.clone()).collect();
-    let solver = &case.solver;
-    let convergence = Convergence::new(solver.tolerance, solver.max_newton, &mesh.column, names);
-    let target = LinearTarget::new(solver.tolerance);
-    let x = Vector::new(&runtime.petsc, rows, dim)?;
-    let snes = Snes::new(&runtime.petsc, "", matrix, &KspSetup::new(&choice.options))?;
-    let recycle = Recycle::new(&runtime.petsc, all.nodes.owned * dim, dim)?;
-    let problem =
-        Problem::new(comm, timers, all, loads, interfaces, tangent, convergence, target, recycle);
-    let saddle = saddle.map(SaddlePoint::new);
-    let stepper = Stepper::new(case, problem, snes, saddle, x, prescribed);
-    Ok(Model { stepper, mesh, sides, choice, unknowns })
+    let form = TangentForm::Assembled(Tangent::new(all, pattern, diagonal));
+    let snes = Snes::new(petsc, "", matrix, &setup)?;
+    Ok(System { snes, form, diagonal, saddle: None, rows })
 }
 
 fn cells(case: &Case, mesh: &LocalMesh, nodes: &Nodes) -> Cells {

@@ -13,7 +13,7 @@ use column_hpc::mesh::{Column, LocalMesh};
 use column_hpc::partition::{self, Method, mix};
 use column_hpc::petsc::{NonlinearSystem, Vector};
 use column_hpc::runtime::Runtime;
-use column_hpc::solve::{self, Model};
+use column_hpc::solve::{self, LinearChoice, Model};
 use column_hpc::timers::Timers;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -70,8 +70,9 @@ fn check(runtime: &Runtime, case: &Case, method: Method) -> BTreeSet<Branch> {
     let timers = Timers::new();
     let column = Column::new(case).expect("a column");
     let (cells, before) = partition::distribute(comm, &column, method).expect("cells");
-    let mesh = LocalMesh::refine(&column, &cells, 0, before);
-    let mut model = solve::build(runtime, &timers, case, mesh).expect("a problem");
+    let choice = LinearChoice::new(case, &column);
+    let mesh = LocalMesh::new(&column, cells, before);
+    let mut model = solve::build(runtime, &timers, case, choice, vec![mesh]).expect("a problem");
     let mut seen = BTreeSet::new();
     for time in &case.time {
         let history = model.stepper.problem.interfaces.committed.clone();

@@ -1,0 +1,174 @@
+//! The tangent of the condensed form as an operator: applied cell by cell, no matrix.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use super::tangent::{NodeState, transformed_diagonal};
+use super::{CellSet, Discretization};
+use crate::petsc::LinearOperator;
+
+/// The tangent at a state of the interfaces; see [`super::Tangent`] for what it contains.
+pub struct TangentOperator {
+    all: Rc<Discretization>,
+    /// Entry of identity rows (N/m).
+    diagonal: f64,
+    /// State of every entry of `Discretization::secondary`.
+    state: RefCell<Vec<NodeState>>,
+    /// Prescribed components of local nodes, as places in a local vector.
+    prescribed: Vec<u32>,
+    work: RefCell<[Vec<f64>; 2]>,
+}
+
+impl TangentOperator {
+    /// The operator with all secondary nodes stuck; `diagonal` must be the same on all ranks.
+    pub fn new(all: Rc<Discretization>, diagonal: f64) -> Self {
+        let dim = all.dim;
+        let components = |(node, fixed): (usize, &[bool; 3])| -> Vec<u32> {
+            (0..dim).filter(|c| fixed[*c]).map(|c| (node * dim + c) as u32).collect()
+        };
+        let prescribed = all.prescribed.iter().enumerate().flat_map(components).collect();
+        let state = RefCell::new(vec![NodeState::STUCK; all.secondary.len()]);
+        let size = all.nodes.len() * dim;
+        let work = RefCell::new([vec![0.0; size], vec![0.0; size]]);
+        Self { all, diagonal, state, prescribed, work }
+    }
+
+    /// The cells and nodes it acts on.
+    pub fn discretization(&self) -> &Rc<Discretization> {
+        &self.all
+    }
+
+    /// The entry of identity rows (N/m).
+    pub fn identity_entry(&self) -> f64 {
+        self.diagonal
+    }
+
+    /// Components of all local nodes.
+    pub fn unknowns_held(&self) -> usize {
+        self.all.nodes.len() * self.all.dim
+    }
+
+    /// Takes the state of every entry of `Discretization::secondary`. Local.
+    pub fn set_state(&self, state: &[NodeState]) {
+        self.state.borrow_mut().copy_from_slice(state);
+    }
+
+    /// Turns owned unknowns into displacements of all local nodes: zero where prescribed, the jump
+    /// row at stuck components. Collective.
+    pub fn expand(&self, u: &mut [f64]) {
+        let (all, dim) = (&self.all, self.all.dim);
+        for component in &self.prescribed {
+            u[*component as usize] = 0.0;
+        }
+        all.nodes.update_ghosts(u, dim);
+        for component in &self.prescribed {
+            u[*component as usize] = 0.0;
+        }
+        // Stuck components depend on unknowns alone, never on each other.
+        for (rows, state) in all.secondary.iter().zip(&*self.state.borrow()) {
+            for (c, row) in rows.rows[..dim].iter().enumerate() {
+                let Some(row) = row.as_ref().filter(|_| state.stuck[c]) else { continue };
+                let followed: f64 =
+                    row.others.iter().map(|(n, a)| a * u[*n as usize * dim + c]).sum();
+                u[rows.node as usize * dim + c] = -followed / row.own;
+            }
+        }
+    }
+
+    /// The transpose of [`TangentOperator::expand`]: local forces to those on owned unknowns, zero
+    /// at identity rows. Collective.
+    pub fn fold(&self, force: &mut [f64]) {
+        let (all, dim) = (&self.all, self.all.dim);
+        for (rows, state) in all.secondary.iter().zip(&*self.state.borrow()) {
+            for (c, row) in rows.rows[..dim].iter().enumerate() {
+                let Some(row) = row.as_ref().filter(|_| state.stuck[c]) else { continue };
+                let own = rows.node as usize * dim + c;
+                let carried = -force[own] / row.own;
+                force[own] = 0.0;
+                for (node, a) in &row.others {
+                    force[*node as usize * dim + c] += a * carried;
+                }
+            }
+        }
+        all.nodes.add_to_owners(force, dim);
+        for component in &self.prescribed {
+            force[*component as usize] = 0.0;
+        }
+    }
+
+    /// Calls `act` with the place of every owned component whose row is the identity. Local.
+    pub fn for_identity_components(&self, mut act: impl FnMut(usize)) {
+        let (all, dim) = (&self.all, self.all.dim);
+        let owned = all.nodes.owned * dim;
+        for component in self.prescribed.iter().take_while(|c| (**c as usize) < owned) {
+            act(*component as usize);
+        }
+        let owned_secondary = &all.secondary[..all.owned_secondary()];
+        for (rows, state) in owned_secondary.iter().zip(&*self.state.borrow()) {
+            for c in (0..dim).filter(|c| rows.rows[*c].is_some() && state.stuck[*c]) {
+                act(rows.node as usize * dim + c);
+            }
+        }
+    }
+
+    /// Marks the owned components whose row is the identity. Local.
+    pub fn identity_marks(&self) -> Vec<bool> {
+        let mut marks = vec![false; self.all.nodes.owned * self.all.dim];
+        self.for_identity_components(|own| marks[own] = true);
+        marks
+    }
+
+    /// Adds the law's forces at owned secondary nodes; see `tangent::add_law` on the weights.
+    fn add_law(&self, u: &[f64], force: &mut [f64]) {
+        let (all, dim) = (&self.all, self.all.dim);
+        let owned = &all.secondary[..all.owned_secondary()];
+        for (rows, state) in owned.iter().zip(&*self.state.borrow()) {
+            let free = |c: usize| rows.rows[c].as_ref().filter(|_| !state.stuck[c]);
+            let mut jump = [0.0; 3];
+            for c in 0..dim {
+                if let Some(row) = free(c) {
+                    let at = |n: u32| u[n as usize * dim + c];
+                    let sum: f64 = row.others.iter().map(|(n, a)| a * at(*n)).sum();
+                    jump[c] = row.weight.sqrt() * (row.own * at(rows.node) + sum);
+                }
+            }
+            for c in 0..dim {
+                if let Some(row) = free(c) {
+                    let traction: f64 = (0..dim).map(|d| state.tangent[c][d] * jump[d]).sum();
+                    let traction = row.weight.sqrt() * traction;
+                    force[rows.node as usize * dim + c] += row.own * traction;
+                    for (node, a) in &row.others {
+                        force[*node as usize * dim + c] += a * traction;
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl LinearOperator for TangentOperator {
+    fn multiply(&self, x: &[f64], y: &mut [f64]) {
+        let (all, owned) = (&self.all, y.len());
+        let work = &mut *self.work.borrow_mut();
+        let [u, force] = work;
+        u[..owned].copy_from_slice(x);
+        self.expand(u);
+        force.fill(0.0);
+        all.cells.add_forces(CellSet::All, u, force, None);
+        self.add_law(u, force);
+        self.fold(force);
+        y.copy_from_slice(&force[..owned]);
+        self.for_identity_components(|own| y[own] = self.diagonal * x[own]);
+    }
+
+    fn diagonal(&self, d: &mut [f64]) {
+        let (all, state) = (&self.all, self.state.borrow());
+        let mut local = vec![0.0; all.nodes.len() * all.dim];
+        all.cells.add_diagonal(&mut local);
+        transformed_diagonal(all, &state, &mut local);
+        all.nodes.add_to_owners(&mut local, all.dim);
+        d.copy_from_slice(&local[..d.len()]);
+        drop(state);
+        self.for_identity_components(|own| d[own] = self.diagonal);
+    }
+}

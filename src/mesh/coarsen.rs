@@ -1,0 +1,177 @@
+//! Nested coarser lattices, for multigrid and for the partition.
+
+use super::column::{Body, Column};
+use super::{CellPlace, axes};
+
+/// Axes whose cells are longer than this many times the shortest edge are not coarsened: a
+/// point-wise smoother does nothing along them until the others have caught up.
+const LONG_EDGE: f64 = 1.5;
+
+impl Column {
+    /// The lattices from this one to the coarsest that still has `fewest` cells, coarsest first.
+    pub fn hierarchy(&self, fewest: u64) -> Vec<Self> {
+        let mut columns = vec![self.clone()];
+        loop {
+            let coarse = columns[columns.len() - 1].coarsened();
+            if coarse.cells() >= columns[columns.len() - 1].cells() || coarse.cells() < fewest {
+                columns.reverse();
+                return columns;
+            }
+            columns.push(coarse);
+        }
+    }
+
+    /// The lattice with about twice the edges, body by body, along the axes where they are short.
+    fn coarsened(&self) -> Self {
+        let mut column = self.clone();
+        for index in 0..self.bodies() {
+            let n = self.extent(index);
+            let edge = |axis: usize| {
+                (self.plane(index, axis, n[axis]) - self.plane(index, axis, 0)) / n[axis] as f64
+            };
+            let can: Vec<usize> = axes(self.dim).iter().copied().filter(|a| n[*a] > 1).collect();
+            let shortest = can.iter().map(|a| edge(*a)).fold(f64::INFINITY, f64::min);
+            for axis in can.into_iter().filter(|a| edge(*a) < LONG_EDGE * shortest) {
+                let kept = self.kept_planes(index, axis);
+                column.bodies[index].planes[axis] = kept;
+            }
+        }
+        column.number();
+        column
+    }
+
+    /// Every other plane of a body; changes of the material always stay.
+    fn kept_planes(&self, index: usize, axis: usize) -> Vec<u32> {
+        let body = &self.bodies[index];
+        let planes = &body.planes[axis];
+        let width = |k: usize| self.plane(index, axis, k + 1) - self.plane(index, axis, k);
+        let material = |k: usize| if axis == 2 { self.material_of_layer(body, k) } else { 0 };
+        let cells: Vec<(usize, usize)> =
+            (0..planes.len() - 1).map(|k| (k, material(k))).collect();
+        let mut kept = vec![planes[0]];
+        for same in cells.chunk_by(|a, b| a.1 == b.1) {
+            let widths: Vec<f64> = same.iter().map(|(k, _)| width(*k)).collect();
+            let first = same[0].0;
+            kept.extend(pairs(&widths).into_iter().map(|end| planes[first + end]));
+        }
+        kept
+    }
+
+    fn material_of_layer(&self, body: &Body, k: usize) -> usize {
+        body.layers[body.planes[2][k] as usize >> self.refinements].material
+    }
+
+    /// How many cells of the finest lattice a cell consists of.
+    pub fn finest_cells(&self, place: CellPlace) -> u64 {
+        let planes = &self.bodies[place.body].planes;
+        let cells = |axis: usize| planes[axis][place.at[axis] + 1] - planes[axis][place.at[axis]];
+        (0..3).map(|axis| u64::from(cells(axis))).product()
+    }
+
+    /// Lower and upper corner of a cell in the plane of the interfaces (m).
+    pub fn footprint(&self, place: CellPlace) -> ([f64; 2], [f64; 2]) {
+        let corner = |upper: usize| {
+            let at = |axis: usize| self.plane(place.body, axis, place.at[axis] + upper);
+            [at(0), if self.dim == 2 { 0.0 } else { at(1) }]
+        };
+        (corner(0), corner(1))
+    }
+}
+
+/// Ends of the groups when neighbours of a line of cells are joined two by two; of an odd number
+/// the widest that leaves pairs on both sides stays alone (near the middle, if several are).
+fn pairs(widths: &[f64]) -> Vec<usize> {
+    let n = widths.len();
+    let mut alone = None;
+    if n % 2 == 1 {
+        let better = |a: usize, b: usize| {
+            let from_middle = |k: usize| k.abs_diff(n / 2);
+            let ratio = widths[a] / widths[b];
+            ratio > 1.0 + 1e-9 || (ratio > 1.0 - 1e-9 && from_middle(a) < from_middle(b))
+        };
+        alone = (0..n).step_by(2).reduce(|a, b| if better(b, a) { b } else { a });
+    }
+    let (mut ends, mut end) = (Vec::new(), 0);
+    while end < n {
+        end += if alone == Some(end) { 1 } else { 2 };
+        ends.push(end);
+    }
+    ends
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::case::Case;
+    use std::path::Path;
+
+    fn column(size: &str, cells: &str) -> Column {
+        let yaml = format!(
+            "title: t\nmesh: {{column: {{size: {size}, cells: {cells}}}}}\n\
+             materials: {{rock: {{young_modulus: 1.0, poisson_ratio: 0.0}}}}\n\
+             boundary:\n  - {{on: bottom, displacement: [0, 0, 0]}}\n\
+             time: {{instants: [1.0]}}\noutput: {{directory: out}}\n"
+        );
+        let case = Case::read(&yaml, Path::new("t.yaml"), &[]).expect("a case");
+        Column::new(&case).expect("a column")
+    }
+
+    fn extents(columns: &[Column]) -> Vec<[usize; 3]> {
+        columns.iter().map(|c| c.extent(0)).collect()
+    }
+
+    #[test]
+    fn one_cell_of_an_odd_number_stays_alone() {
+        assert_eq!(pairs(&[1.0; 6]), [2, 4, 6]);
+        assert_eq!(pairs(&[1.0; 5]), [2, 3, 5]);
+        assert_eq!(pairs(&[1.0, 1.0, 1.0, 1.0, 2.0]), [2, 4, 5]);
+        assert_eq!(pairs(&[1.0]), [1]);
+    }
+
+    #[test]
+    fn long_edges_wait_for_the_short_ones() {
+        let isotropic = column("[1, 1, 5]", "[8, 8, 40]").hierarchy(30);
+        assert_eq!(extents(&isotropic), [[2, 2, 10], [4, 4, 20], [8, 8, 40]]);
+        let slender = column("[1, 1, 5]", "[8, 8, 320]").hierarchy(1000);
+        assert_eq!(extents(&slender), [[8, 8, 40], [8, 8, 80], [8, 8, 160], [8, 8, 320]]);
+        let flat = column("[1, 1, 5]", "[16, 16, 20]").hierarchy(64);
+        assert_eq!(extents(&flat), [[4, 4, 10], [4, 4, 20], [8, 8, 20], [16, 16, 20]][1..]);
+        let odd = column("[1, 1, 5]", "[25, 25, 125]").hierarchy(100);
+        assert_eq!(extents(&odd).last(), Some(&[25, 25, 125]));
+        assert_eq!(extents(&odd)[0], [4, 4, 16]);
+    }
+
+    #[test]
+    fn the_children_of_all_cells_are_all_cells() {
+        let columns = column("[1, 1, 5]", "[5, 7, 33]").hierarchy(10);
+        for pair in columns.windows(2) {
+            let (coarse, fine) = (&pair[0], &pair[1]);
+            let mut cells: Vec<u64> = (0..coarse.cells())
+                .flat_map(|c| coarse.children(coarse.cell_place(c), fine))
+                .map(|place| fine.cell(place))
+                .collect();
+            cells.sort_unstable();
+            assert_eq!(cells, (0..fine.cells()).collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn a_coarse_node_lies_on_itself_and_a_new_one_between() {
+        let columns = column("[1, 1, 5]", "[5, 4, 10]").hierarchy(10);
+        let (coarse, fine) = (&columns[columns.len() - 2], &columns[columns.len() - 1]);
+        for node in 0..fine.nodes() {
+            let place = fine.node_place(node);
+            let (at, fraction) = coarse.place_in(fine, place);
+            let point = fine.point(node);
+            for axis in 0..3 {
+                let low = coarse.plane(0, axis, at[axis]);
+                let x = if fraction[axis] == 0.0 {
+                    low
+                } else {
+                    low + fraction[axis] * (coarse.plane(0, axis, at[axis] + 1) - low)
+                };
+                assert!((x - point[axis]).abs() < 1e-14);
+            }
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! Geometric multigrid over nested lattices, with the interfaces on every level.
+//!
+//! Each level has its own cells, mortar operators and tangent: the same condensed form, with the
+//! state of the interfaces brought down from the level above. All levels but the coarsest are
+//! applied without a matrix; the coarsest is assembled and eliminated.
+
+mod transfer;
+
+use std::rc::Rc;
+
+use crate::assembly::{Discretization, NodeState, Pattern, Tangent, TangentOperator};
+use crate::comm::Comm;
+use crate::error::Result;
+use crate::mesh::Column;
+use crate::petsc::{Matrix, MultigridLevel, Petsc};
+
+pub use transfer::Transfer;
+
+/// Part of the spectrum over the diagonal that the smoother damps, from its upper end.
+const DAMPED: f64 = 0.1;
+/// The spectrum ends below the bound that the single cells give by about this factor.
+const REACHED: f64 = 1.0;
+
+/// The levels below the finest, coarsest first, and what joins them.
+pub struct Hierarchy {
+    /// Operators of all levels, the finest included.
+    operators: Vec<Rc<TangentOperator>>,
+    /// Matrices of the levels below the finest; the first one is assembled.
+    matrices: Vec<Matrix>,
+    /// From each level to the next finer one, as operators and for PETSc.
+    transfers: Vec<(Rc<Transfer>, Matrix)>,
+    coarsest: Tangent,
+    /// Largest eigenvalue over the diagonal on each level.
+    largest: Vec<f64>,
+}
+
+impl Hierarchy {
+    /// From the discretisations of nested lattices, coarsest first; at least one. Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn new(
+        comm: &Comm,
+        petsc: &Petsc,
+        levels: Vec<(Column, Rc<Discretization>)>,
+    ) -> Result<Self> {
+        let (mut columns, mut operators, mut largest) = (Vec::new(), Vec::new(), Vec::new());
+        for (column, all) in levels {
+            let mut bounds = [all.cells.largest_diagonal(), all.cells.largest_scaled_eigenvalue()];
+            comm.max(&mut bounds);
+            operators.push(Rc::new(TangentOperator::new(all, bounds[0])));
+            largest.push(bounds[1]);
+            columns.push(column);
+        }
+        let all = operators[0].discretization();
+        let pattern = Pattern::new(comm, all);
+        let (own, other) = pattern.counts(all.nodes.first);
+        let rows = all.nodes.owned * all.dim;
+        let mut matrices = vec![Matrix::new(petsc, rows, all.dim, &own, &other)?];
+        let coarsest = Tangent::new(all, pattern, operators[0].identity_entry());
+        let mut transfers = Vec::new();
+        for level in 1..operators.len() {
+            let (coarse, fine) = (&operators[level - 1], &operators[level]);
+            let transfer = Rc::new(Transfer::new(
+                Rc::clone(fine),
+                Rc::clone(coarse),
+                &columns[level],
+                &columns[level - 1],
+            ));
+            let unknowns = |o: &TangentOperator| {
+                let all = o.discretization();
+                all.nodes.owned * all.dim
+            };
+            let (rows, columns) = (unknowns(fine), unknowns(coarse));
+            let dim = fine.discretization().dim;
+            let matrix = Matrix::shell(petsc, rows, columns, dim, transfer.clone())?;
+            transfers.push((transfer, matrix));
+            if level + 1 < operators.len() {
+                matrices.push(Matrix::shell(petsc, rows, rows, dim, fine.clone())?);
+            }
+        }
+        Ok(Self { operators, matrices, transfers, coarsest, largest })
+    }
+
+    /// The operator of the finest level.
+    pub fn finest(&self) -> &Rc<TangentOperator> {
+        &self.operators[self.operators.len() - 1]
+    }
+
+    /// The levels for PETSc, coarsest first.
+    pub fn levels(&self) -> Vec<MultigridLevel<'_>> {
+        let level = |number: usize| {
+            let high = REACHED * self.largest[number];
+            MultigridLevel {
+                matrix: self.matrices.get(number),
+                interpolation: number.checked_sub(1).map(|below| &self.transfers[below].1),
+                damped: [DAMPED * high, high],
+            }
+        };
+        (0..self.operators.len()).map(level).collect()
+    }
+
+    /// Brings the state of all local secondary nodes of the finest level to every level; `finest`
+    /// is the matrix of the finest operator. Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn set_state(
+        &mut self,
+        comm: &Comm,
+        state: &[NodeState],
+        finest: &mut Matrix,
+    ) -> Result<()> {
+        let mut state = state.to_vec();
+        for level in (0..self.operators.len()).rev() {
+            self.operators[level].set_state(&state);
+            if level == 0 {
+                // With one level the finest matrix is not the one that is eliminated.
+                let all = self.operators[0].discretization();
+                self.coarsest.assemble(comm, all, &state, &mut self.matrices[0])?;
+            } else {
+                state = self.transfers[level - 1].0.restrict_state(&state);
+            }
+            let matrix = if level + 1 == self.operators.len() {
+                &mut *finest
+            } else {
+                &mut self.matrices[level]
+            };
+            matrix.assemble()?;
+        }
+        Ok(())
+    }
+}
