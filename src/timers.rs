@@ -1,6 +1,6 @@
 //! Wall-clock time by phase.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::time::{Duration, Instant};
 
 use crate::comm::Comm;
@@ -19,6 +19,13 @@ pub enum Phase {
     Solve,
     /// Writing results.
     Output,
+}
+
+impl Phase {
+    /// Its name, as in [`Timings`].
+    pub fn name(self) -> &'static str {
+        ["mesh", "partition", "assembly", "solve", "output"][self as usize]
+    }
 }
 
 const PHASES: usize = 5;
@@ -40,18 +47,20 @@ pub struct Timings {
     pub total: f64,
 }
 
+/// Told of every change of the phase.
+type Watch = Box<dyn Fn(Option<Phase>)>;
+
 /// Clocks of one rank. Time in a phase entered within another counts for the inner one alone.
-#[derive(Debug)]
 pub struct Timers {
     start: Instant,
     since: Cell<Instant>,
     current: Cell<Option<Phase>>,
     spent: Cell<[Duration; PHASES]>,
+    watch: RefCell<Option<Watch>>,
 }
 
 /// A phase that lasts until this value goes; phases end in the reverse order of their beginning.
 #[must_use = "the phase ends when this value is dropped"]
-#[derive(Debug)]
 pub struct Running<'a> {
     timers: &'a Timers,
     enclosing: Option<Phase>,
@@ -72,7 +81,18 @@ impl Timers {
             since: Cell::new(now),
             current: Cell::new(None),
             spent: Cell::new([Duration::ZERO; PHASES]),
+            watch: RefCell::new(None),
         }
+    }
+
+    /// Has `watch` called with the current phase at every change, until [`Timers::unwatch`].
+    pub fn watch(&self, watch: impl Fn(Option<Phase>) + 'static) {
+        *self.watch.borrow_mut() = Some(Box::new(watch));
+    }
+
+    /// Drops what watches the phases.
+    pub fn unwatch(&self) {
+        self.watch.borrow_mut().take();
     }
 
     /// Begins a phase.
@@ -85,6 +105,11 @@ impl Timers {
         let now = Instant::now();
         let elapsed = now - self.since.replace(now);
         let current = self.current.replace(next);
+        if current != next
+            && let Some(watch) = &*self.watch.borrow()
+        {
+            watch(next);
+        }
         if let Some(phase) = current {
             let mut spent = self.spent.get();
             spent[phase as usize] += elapsed;

@@ -74,11 +74,6 @@ impl Cells {
         self.stiffness.iter().map(diagonal).fold(0.0, f64::max)
     }
 
-    /// The largest eigenvalue of any stiffness over its diagonal, 0 without cells.
-    pub fn largest_scaled_eigenvalue(&self) -> f64 {
-        self.stiffness.iter().map(Stiffness::largest_scaled_eigenvalue).fold(0.0, f64::max)
-    }
-
     /// The cells that touch a secondary node.
     pub fn layer(&self) -> &[u32] {
         &self.layer

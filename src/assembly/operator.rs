@@ -1,9 +1,12 @@
 //! The tangent of the condensed form as an operator: applied cell by cell, no matrix.
+//!
+//! Where [`NodeState::jump`] says so, the unknown at a secondary component is not the displacement
+//! but what it has beyond the primary side's.
 
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use super::tangent::{NodeState, transformed_diagonal};
+use super::tangent::{NodeState, transform_diagonal};
 use super::{CellSet, Discretization};
 use crate::petsc::LinearOperator;
 
@@ -16,11 +19,14 @@ pub struct TangentOperator {
     state: RefCell<Vec<NodeState>>,
     /// Prescribed components of local nodes, as places in a local vector.
     prescribed: Vec<u32>,
+    /// Diagonal of the cells' stiffness at local components (N/m).
+    stiffness: Vec<f64>,
     work: RefCell<[Vec<f64>; 2]>,
 }
 
 impl TangentOperator {
     /// The operator with all secondary nodes stuck; `diagonal` must be the same on all ranks.
+    /// Collective.
     pub fn new(all: Rc<Discretization>, diagonal: f64) -> Self {
         let dim = all.dim;
         let components = |(node, fixed): (usize, &[bool; 3])| -> Vec<u32> {
@@ -30,7 +36,11 @@ impl TangentOperator {
         let state = RefCell::new(vec![NodeState::STUCK; all.secondary.len()]);
         let size = all.nodes.len() * dim;
         let work = RefCell::new([vec![0.0; size], vec![0.0; size]]);
-        Self { all, diagonal, state, prescribed, work }
+        let mut stiffness = vec![0.0; size];
+        all.cells.add_diagonal(&mut stiffness);
+        all.nodes.add_to_owners(&mut stiffness, dim);
+        all.nodes.update_ghosts(&mut stiffness, dim);
+        Self { all, diagonal, state, prescribed, stiffness, work }
     }
 
     /// The cells and nodes it acts on.
@@ -53,8 +63,8 @@ impl TangentOperator {
         self.state.borrow_mut().copy_from_slice(state);
     }
 
-    /// Turns owned unknowns into displacements of all local nodes: zero where prescribed, the jump
-    /// row at stuck components. Collective.
+    /// Turns owned unknowns into displacements of all local nodes: zero where prescribed, without a
+    /// jump at stuck components. Collective.
     pub fn expand(&self, u: &mut [f64]) {
         let (all, dim) = (&self.all, self.all.dim);
         for component in &self.prescribed {
@@ -64,27 +74,52 @@ impl TangentOperator {
         for component in &self.prescribed {
             u[*component as usize] = 0.0;
         }
-        // Stuck components depend on unknowns alone, never on each other.
+        // The rows contain no other component that has a row itself.
         for (rows, state) in all.secondary.iter().zip(&*self.state.borrow()) {
             for (c, row) in rows.rows[..dim].iter().enumerate() {
-                let Some(row) = row.as_ref().filter(|_| state.stuck[c]) else { continue };
+                let follows = state.stuck[c] || state.jump[c];
+                let Some(row) = row.as_ref().filter(|_| follows) else { continue };
                 let followed: f64 =
                     row.others.iter().map(|(n, a)| a * u[*n as usize * dim + c]).sum();
-                u[rows.node as usize * dim + c] = -followed / row.own;
+                let own = &mut u[rows.node as usize * dim + c];
+                *own = if state.stuck[c] { 0.0 } else { *own } - followed / row.own;
+            }
+        }
+    }
+
+    /// Replaces expanded displacements by jumps over their own coefficient at all local secondary
+    /// nodes. Local.
+    pub fn to_jumps(&self, u: &mut [f64]) {
+        let dim = self.all.dim;
+        for rows in &self.all.secondary {
+            for (c, row) in rows.rows[..dim].iter().enumerate() {
+                let Some(row) = row else { continue };
+                let followed: f64 =
+                    row.others.iter().map(|(n, a)| a * u[*n as usize * dim + c]).sum();
+                u[rows.node as usize * dim + c] += followed / row.own;
             }
         }
     }
 
     /// The transpose of [`TangentOperator::expand`]: local forces to those on owned unknowns, zero
-    /// at identity rows. Collective.
-    pub fn fold(&self, force: &mut [f64]) {
+    /// at identity rows. `on_jumps` acts on what [`TangentOperator::to_jumps`] gives; none counts as
+    /// zero. Collective.
+    pub fn fold(&self, force: &mut [f64], on_jumps: Option<&[f64]>) {
         let (all, dim) = (&self.all, self.all.dim);
         for (rows, state) in all.secondary.iter().zip(&*self.state.borrow()) {
             for (c, row) in rows.rows[..dim].iter().enumerate() {
-                let Some(row) = row.as_ref().filter(|_| state.stuck[c]) else { continue };
+                let Some(row) = row else { continue };
                 let own = rows.node as usize * dim + c;
-                let carried = -force[own] / row.own;
-                force[own] = 0.0;
+                // A force on a jump is one on the displacement and its reaction on the others.
+                let on_jump = on_jumps.map_or(0.0, |on_jumps| on_jumps[own]);
+                let carried = match (state.stuck[c], state.jump[c]) {
+                    (true, _) => -std::mem::take(&mut force[own]),
+                    (false, jump) => {
+                        let before = force[own];
+                        force[own] += on_jump;
+                        if jump { -before } else { on_jump }
+                    }
+                } / row.own;
                 for (node, a) in &row.others {
                     force[*node as usize * dim + c] += a * carried;
                 }
@@ -116,6 +151,47 @@ impl TangentOperator {
         let mut marks = vec![false; self.all.nodes.owned * self.all.dim];
         self.for_identity_components(|own| marks[own] = true);
         marks
+    }
+
+    /// Whether the unknown of a component of an owned secondary node is its jump. Local.
+    pub fn unknown_is_jump(&self, index: usize, component: usize) -> bool {
+        self.state.borrow()[index].jump[component]
+    }
+
+    /// Takes jumps for unknowns where the law is stiffer than the cells; `state` belongs to the
+    /// first entries of `Discretization::secondary`. Local.
+    pub fn choose_unknowns<'s>(&self, state: impl Iterator<Item = &'s mut NodeState>) {
+        let dim = self.all.dim;
+        for (rows, state) in self.all.secondary.iter().zip(state) {
+            for c in 0..dim {
+                let Some(row) = &rows.rows[c] else { continue };
+                let law = row.weight * row.own * row.own * state.tangent[c][c];
+                let cells = self.stiffness[rows.node as usize * dim + c];
+                state.jump[c] = !state.stuck[c] && law > cells;
+            }
+        }
+    }
+
+    /// How strongly the law couples the unknowns of a pair of nodes, at most: the entry between them
+    /// over the root of the product of their diagonals, for equal stiffness on both sides. The
+    /// largest eigenvalue over the diagonal grows by no more than that. Local.
+    pub fn strongest_pair(&self) -> f64 {
+        let dim = self.all.dim;
+        let mut strongest = 0.0_f64;
+        for (rows, state) in self.all.secondary.iter().zip(&*self.state.borrow()) {
+            for c in (0..dim).filter(|c| !state.stuck[*c]) {
+                let Some(row) = &rows.rows[c] else { continue };
+                let law = (row.weight * row.own * row.own * state.tangent[c][c]).abs();
+                let law = law / self.stiffness[rows.node as usize * dim + c];
+                let coupling = if state.jump[c] {
+                    (2.0 * (1.0 + law)).sqrt().recip()
+                } else {
+                    law / (1.0 + law)
+                };
+                strongest = strongest.max(coupling);
+            }
+        }
+        strongest
     }
 
     /// Adds the law's forces at owned secondary nodes; see `tangent::add_law` on the weights.
@@ -156,18 +232,19 @@ impl LinearOperator for TangentOperator {
         force.fill(0.0);
         all.cells.add_forces(CellSet::All, u, force, None);
         self.add_law(u, force);
-        self.fold(force);
+        self.fold(force, None);
         y.copy_from_slice(&force[..owned]);
         self.for_identity_components(|own| y[own] = self.diagonal * x[own]);
     }
 
     fn diagonal(&self, d: &mut [f64]) {
         let (all, state) = (&self.all, self.state.borrow());
-        let mut local = vec![0.0; all.nodes.len() * all.dim];
-        all.cells.add_diagonal(&mut local);
-        transformed_diagonal(all, &state, &mut local);
-        all.nodes.add_to_owners(&mut local, all.dim);
-        d.copy_from_slice(&local[..d.len()]);
+        let mut change = vec![0.0; all.nodes.len() * all.dim];
+        transform_diagonal(all, &state, &mut change);
+        all.nodes.add_to_owners(&mut change, all.dim);
+        for ((d, stiffness), change) in d.iter_mut().zip(&self.stiffness).zip(change) {
+            *d = stiffness + change;
+        }
         drop(state);
         self.for_identity_components(|own| d[own] = self.diagonal);
     }

@@ -5,11 +5,15 @@
 //! of cells lies a slot whose cell does not exist. All arithmetic then runs over the slots of a
 //! batch, as wide as the processor's vectors; the stiffness acts in modal form.
 
-use crate::bulk::{MODES, Modal, partner};
-use crate::simd::widest;
+use crate::bulk::{MODES, Modal, couples, partner};
+use crate::simd::{Kernel, widest};
 
 /// Slots of a batch: the arrays of the sweep stay in the innermost cache.
-const SLOTS: usize = 64;
+const SLOTS: usize = 32;
+/// Room behind the slots, so that loops over all of them may look at the next one.
+const PADDED: usize = SLOTS + 8;
+/// Place of the first slot where loops look at the one before.
+const FIRST: usize = 8;
 /// Lines of nodes of a batch in 3D.
 const LINES: usize = 4;
 
@@ -38,12 +42,16 @@ pub struct Sweep {
     gaps: Vec<u16>,
 }
 
-/// Numbers of one batch: by component, line and slot; modes in the place of lines come in pairs.
+/// Numbers of one batch. All loops run over all slots: what lies behind the last one is computed
+/// and not used.
 struct Scratch {
-    line: [[[f64; SLOTS]; LINES]; 3],
+    /// Displacements by component, line and slot; then the forces there.
+    line: [[[f64; PADDED]; LINES]; 3],
+    /// Displacements by component and mode.
     mode: [[[f64; SLOTS]; MODES]; 3],
-    force: [[[f64; SLOTS]; MODES]; 3],
-    size: [[f64; SLOTS]; MODES],
+    /// Forces by component and mode, from [`FIRST`] on; before it stands the cell before the first,
+    /// which has none.
+    force: [[[f64; PADDED]; MODES]; 3],
 }
 
 impl Sweep {
@@ -98,71 +106,86 @@ impl Sweep {
         force: &mut [f64],
         magnitude: Option<&mut [f64]>,
     ) {
-        let none: &mut [f64] = &mut [];
-        match (self.dim, magnitude) {
-            (2, None) => widest(|| self.run::<2, 2, false>(&stiffness, u, force, none)),
-            (2, Some(m)) => widest(|| self.run::<2, 2, true>(&stiffness, u, force, m)),
-            (_, None) => widest(|| self.run::<3, 4, false>(&stiffness, u, force, none)),
-            (_, Some(m)) => widest(|| self.run::<3, 4, true>(&stiffness, u, force, m)),
+        let sizes = magnitude.is_some();
+        let magnitude = magnitude.unwrap_or_default();
+        let pass = Pass { sweep: self, stiffness, u, force, magnitude };
+        match (self.dim, sizes) {
+            (2, false) => widest(Dim::<_, 2, 2, false>(pass)),
+            (2, true) => widest(Dim::<_, 2, 2, true>(pass)),
+            (_, false) => widest(Dim::<_, 3, 4, false>(pass)),
+            (_, true) => widest(Dim::<_, 3, 4, true>(pass)),
         }
     }
+}
 
+/// One pass over the cells of a sweep.
+struct Pass<'s, F> {
+    sweep: &'s Sweep,
+    stiffness: F,
+    u: &'s [f64],
+    force: &'s mut [f64],
+    magnitude: &'s mut [f64],
+}
+
+/// A pass in `DIM` dimensions with `L` lines per batch, with or without the lengths of the forces.
+struct Dim<'s, F, const DIM: usize, const L: usize, const SIZES: bool>(Pass<'s, F>);
+
+impl<'a, F: Fn(u16) -> &'a Modal, const DIM: usize, const L: usize, const SIZES: bool> Kernel
+    for Dim<'_, F, DIM, L, SIZES>
+{
     #[inline(always)]
-    fn run<'a, const DIM: usize, const L: usize, const SIZES: bool>(
-        &self,
-        stiffness: &impl Fn(u16) -> &'a Modal,
-        u: &[f64],
-        force: &mut [f64],
-        magnitude: &mut [f64],
-    ) {
-        let zero = [[0.0; SLOTS]; MODES];
+    fn run(self) {
+        let Pass { sweep, stiffness, u, force, magnitude } = self.0;
         let mut s = Scratch {
-            line: [[[0.0; SLOTS]; LINES]; 3],
-            mode: [zero; 3],
-            force: [zero; 3],
-            size: zero,
+            line: [[[0.0; PADDED]; LINES]; 3],
+            mode: [[[0.0; SLOTS]; MODES]; 3],
+            force: [[[0.0; PADDED]; MODES]; 3],
         };
-        for batch in &self.batches {
+        let u = u.as_chunks::<DIM>().0;
+        let force = force.as_chunks_mut::<DIM>().0;
+        for batch in &sweep.batches {
             let slots = batch.slots as usize;
-            let nodes = &self.nodes[batch.first as usize..][..slots * L];
-            // Whole vectors: what lies behind the last slot is computed and not used.
-            let width = slots.next_multiple_of(8);
-            for (line, nodes) in nodes.chunks_exact(slots).enumerate() {
-                for (slot, node) in nodes.iter().enumerate() {
-                    let values = &u[*node as usize * DIM..][..DIM];
-                    for (c, value) in values.iter().enumerate() {
-                        s.line[c][line][slot] = *value;
+            let nodes = &sweep.nodes[batch.first as usize..][..slots * L];
+            for (line, nodes) in (0..L).zip(nodes.chunks_exact(slots)) {
+                let [x, y, z] = s.line.each_mut().map(|of_component| &mut of_component[line]);
+                for (((node, x), y), z) in nodes.iter().zip(x).zip(y).zip(z) {
+                    let values = &u[*node as usize];
+                    *x = values[0];
+                    *y = values[1];
+                    if DIM == 3 {
+                        *z = values[2];
                     }
                 }
             }
-            to_modes::<DIM, L>(&mut s, width);
-            apply::<DIM>(stiffness(batch.prototype), &mut s, width);
-            for gap in &self.gaps[batch.gaps[0] as usize..batch.gaps[1] as usize] {
+            to_modes::<DIM, L>(&mut s);
+            apply::<DIM>(stiffness(batch.prototype), &mut s);
+            let gaps = &sweep.gaps[batch.gaps[0] as usize..batch.gaps[1] as usize];
+            for gap in gaps.iter().map(|gap| *gap as usize).chain([slots - 1]) {
                 for mode in s.force.iter_mut().take(DIM).flatten() {
-                    mode[*gap as usize] = 0.0;
+                    mode[FIRST + gap] = 0.0;
                 }
             }
-            for mode in s.force.iter_mut().take(DIM).flatten() {
-                mode[slots - 1] = 0.0;
-            }
-            to_ends::<DIM, L>(&mut s, width);
-            for (line, nodes) in nodes.chunks_exact(slots).enumerate() {
-                let mut left = [0.0; 3];
-                for (slot, node) in nodes.iter().enumerate() {
-                    let target = &mut force[*node as usize * DIM..][..DIM];
-                    for (c, target) in target.iter_mut().enumerate() {
-                        *target += s.force[c][2 * line][slot] + left[c];
-                        left[c] = s.force[c][2 * line + 1][slot];
+            to_lines_of_cells::<DIM, L>(&mut s);
+            if SIZES {
+                lengths::<DIM, L>(&mut s);
+                for (line, nodes) in (0..L).zip(nodes.chunks_exact(slots)) {
+                    let mut left = 0.0;
+                    let ends = s.mode[0][2 * line].iter().zip(&s.mode[0][2 * line + 1]);
+                    for (node, (lower, upper)) in nodes.iter().zip(ends) {
+                        magnitude[*node as usize] += lower + left;
+                        left = *upper;
                     }
                 }
             }
-            if SIZES {
-                lengths::<DIM, L>(&mut s, width);
-                for (line, nodes) in nodes.chunks_exact(slots).enumerate() {
-                    let mut left = 0.0;
-                    for (slot, node) in nodes.iter().enumerate() {
-                        magnitude[*node as usize] += s.size[2 * line][slot] + left;
-                        left = s.size[2 * line + 1][slot];
+            to_nodes::<DIM, L>(&mut s);
+            for (line, nodes) in (0..L).zip(nodes.chunks_exact(slots)) {
+                let [x, y, z] = s.line.each_ref().map(|of_component| &of_component[line]);
+                for (((node, x), y), z) in nodes.iter().zip(x).zip(y).zip(z) {
+                    let target = &mut force[*node as usize];
+                    target[0] += x;
+                    target[1] += y;
+                    if DIM == 3 {
+                        target[2] += z;
                     }
                 }
             }
@@ -173,17 +196,17 @@ impl Sweep {
 /// Sums and differences, across the lines and then along x: mode 2 q + b has the differences that
 /// the bits of q mark along the second and third axis, and b along the first.
 #[inline(always)]
-fn to_modes<const DIM: usize, const L: usize>(s: &mut Scratch, width: usize) {
+fn to_modes<const DIM: usize, const L: usize>(s: &mut Scratch) {
     for c in 0..DIM {
         let line = &mut s.line[c];
-        across::<L>(line, width);
+        across::<L>(line);
         for q in 0..L {
             let v = &line[q];
-            let (sum, difference) = s.mode[c].split_at_mut(2 * q + 1);
-            let (sum, difference) = (&mut sum[2 * q], &mut difference[0]);
-            for i in 0..width - 1 {
-                sum[i] = v[i + 1] + v[i];
-                difference[i] = v[i + 1] - v[i];
+            for i in 0..SLOTS {
+                s.mode[c][2 * q][i] = v[i + 1] + v[i];
+            }
+            for i in 0..SLOTS {
+                s.mode[c][2 * q + 1][i] = v[i + 1] - v[i];
             }
         }
     }
@@ -191,14 +214,14 @@ fn to_modes<const DIM: usize, const L: usize>(s: &mut Scratch, width: usize) {
 
 /// Replaces the values of the lines by their sums and differences along the second and third axis.
 #[inline(always)]
-fn across<const L: usize>(line: &mut [[f64; SLOTS]], width: usize) {
+fn across<const L: usize>(line: &mut [[f64; PADDED]; LINES]) {
     if L == 2 {
-        for i in 0..width {
+        for i in 0..SLOTS {
             let (a, b) = (line[0][i], line[1][i]);
             (line[0][i], line[1][i]) = (a + b, b - a);
         }
     } else {
-        for i in 0..width {
+        for i in 0..SLOTS {
             let (a, b, c, d) = (line[0][i], line[1][i], line[2][i], line[3][i]);
             let (low, high, low_step, high_step) = (a + b, c + d, b - a, d - c);
             line[0][i] = low + high;
@@ -209,38 +232,47 @@ fn across<const L: usize>(line: &mut [[f64; SLOTS]], width: usize) {
     }
 }
 
+/// The stiffness, mode by mode.
 #[inline(always)]
-fn apply<const DIM: usize>(k: &Modal, s: &mut Scratch, width: usize) {
+fn apply<const DIM: usize>(k: &Modal, s: &mut Scratch) {
     for c in 0..DIM {
         for m in 0..1 << DIM {
-            let force = &mut s.force[c][m];
-            if DIM == 2 {
-                let d = 1 - c;
-                let (own, other) = (&s.mode[c][m], &s.mode[d][partner(c, d, m)]);
-                let (k0, k1) = (k.entry[c][c][m], k.entry[c][d][m]);
-                for i in 0..width {
-                    force[i] = k0 * own[i] + k1 * other[i];
+            let force: &mut [f64; SLOTS] =
+                (&mut s.force[c][m][FIRST..]).try_into().expect("as long as the slots");
+            let own = &s.mode[c][m];
+            let other = |d: usize| (k.entry[c][d][m], &s.mode[d][partner(c, d, m)]);
+            let coupled = |d: usize| d < DIM && couples(c, d, m);
+            let (d, e) = ((c + 1) % DIM, (c + 2) % 3);
+            let k0 = k.entry[c][c][m];
+            match (coupled(d), e != c && e != d && coupled(e)) {
+                (false, false) => {
+                    for i in 0..SLOTS {
+                        force[i] = k0 * own[i];
+                    }
                 }
-            } else {
-                let (d, e) = ((c + 1) % 3, (c + 2) % 3);
-                let (own, one) = (&s.mode[c][m], &s.mode[d][partner(c, d, m)]);
-                let two = &s.mode[e][partner(c, e, m)];
-                let (k0, k1, k2) = (k.entry[c][c][m], k.entry[c][d][m], k.entry[c][e][m]);
-                for i in 0..width {
-                    force[i] = k0 * own[i] + k1 * one[i] + k2 * two[i];
+                (true, true) => {
+                    let ((k1, one), (k2, two)) = (other(d), other(e));
+                    for i in 0..SLOTS {
+                        force[i] = k0 * own[i] + k1 * one[i] + k2 * two[i];
+                    }
+                }
+                (first, _) => {
+                    let (k1, one) = other(if first { d } else { e });
+                    for i in 0..SLOTS {
+                        force[i] = k0 * own[i] + k1 * one[i];
+                    }
                 }
             }
         }
     }
 }
 
-/// Modal forces to those at the ends of each cell along each line: the lower ends at `2 line`, the
-/// upper ones behind it.
+/// Modal forces to sums and differences along x on each line, at `2 line` and behind it.
 #[inline(always)]
-fn to_ends<const DIM: usize, const L: usize>(s: &mut Scratch, width: usize) {
+fn to_lines_of_cells<const DIM: usize, const L: usize>(s: &mut Scratch) {
     for force in s.force.iter_mut().take(DIM) {
         for b in 0..2 {
-            for i in 0..width {
+            for i in FIRST..PADDED {
                 if L == 2 {
                     let (sum, step) = (force[b][i], force[2 + b][i]);
                     (force[b][i], force[2 + b][i]) = (sum - step, sum + step);
@@ -256,22 +288,37 @@ fn to_ends<const DIM: usize, const L: usize>(s: &mut Scratch, width: usize) {
                 }
             }
         }
+    }
+}
+
+/// To the nodes: the lower end of the cell behind each, the upper end of the one before.
+#[inline(always)]
+fn to_nodes<const DIM: usize, const L: usize>(s: &mut Scratch) {
+    for c in 0..DIM {
         for line in 0..L {
-            for i in 0..width {
-                let (sum, step) = (force[2 * line][i], force[2 * line + 1][i]);
-                (force[2 * line][i], force[2 * line + 1][i]) = (sum - step, sum + step);
+            let (sum, step) = (&s.force[c][2 * line], &s.force[c][2 * line + 1]);
+            for i in 0..SLOTS {
+                let (behind, before) = (FIRST + i, FIRST + i - 1);
+                s.line[c][line][i] = (sum[behind] - step[behind]) + (sum[before] + step[before]);
             }
         }
     }
 }
 
-/// Lengths of the nodal forces of each cell.
+/// Lengths of the nodal forces at the lower and upper ends of the cells on each line, in the place
+/// of the modes of the first component.
 #[inline(always)]
-fn lengths<const DIM: usize, const L: usize>(s: &mut Scratch, width: usize) {
-    for end in 0..2 * L {
-        for i in 0..width {
-            let square: f64 = (0..DIM).map(|c| s.force[c][end][i] * s.force[c][end][i]).sum();
-            s.size[end][i] = square.sqrt();
+fn lengths<const DIM: usize, const L: usize>(s: &mut Scratch) {
+    for line in 0..L {
+        for i in 0..SLOTS {
+            let (mut lower, mut upper) = (0.0, 0.0);
+            for force in s.force.iter().take(DIM) {
+                let (sum, step) = (force[2 * line][FIRST + i], force[2 * line + 1][FIRST + i]);
+                lower += (sum - step) * (sum - step);
+                upper += (sum + step) * (sum + step);
+            }
+            s.mode[0][2 * line][i] = lower.sqrt();
+            s.mode[0][2 * line + 1][i] = upper.sqrt();
         }
     }
 }

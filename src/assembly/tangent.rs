@@ -15,13 +15,17 @@ use crate::petsc::Matrix;
 pub struct NodeState {
     /// Components whose jump is known.
     pub stuck: [bool; 3],
+    /// Other components whose unknown is the jump over its own coefficient, not the displacement:
+    /// where the law is stiff beside the bulk, the two displacements of a pair are no good unknowns
+    /// for a smoother.
+    pub jump: [bool; 3],
     /// Derivative of the traction by the jump on the other components (Pa/m), symmetric.
     pub tangent: [[f64; 3]; 3],
 }
 
 impl NodeState {
     /// Adherence in all components.
-    pub const STUCK: Self = Self { stuck: [true; 3], tangent: [[0.0; 3]; 3] };
+    pub const STUCK: Self = Self { stuck: [true; 3], jump: [false; 3], tangent: [[0.0; 3]; 3] };
     /// Numbers of the packed form.
     pub const WIDTH: usize = 12;
 
@@ -39,14 +43,21 @@ impl NodeState {
     /// As numbers, for the exchange between ranks.
     pub fn pack(&self) -> [f64; Self::WIDTH] {
         std::array::from_fn(|i| {
-            if i < 3 { f64::from(u8::from(self.stuck[i])) } else { self.tangent[i / 3 - 1][i % 3] }
+            if i >= 3 {
+                self.tangent[i / 3 - 1][i % 3]
+            } else if self.stuck[i] {
+                1.0
+            } else {
+                2.0 * f64::from(u8::from(self.jump[i]))
+            }
         })
     }
 
     /// Back from the packed form.
     pub fn unpack(words: &[f64]) -> Self {
         Self {
-            stuck: std::array::from_fn(|i| words[i] != 0.0),
+            stuck: std::array::from_fn(|i| words[i] == 1.0),
+            jump: std::array::from_fn(|i| words[i] == 2.0),
             tangent: std::array::from_fn(|i| std::array::from_fn(|j| words[3 + 3 * i + j])),
         }
     }
@@ -168,7 +179,8 @@ impl Tangent {
         work.expansions.clear();
         for node in nodes {
             for component in 0..dim {
-                work.expansions.push(expand(all, state, *node, component, &work.coupled));
+                let place = (*node, component);
+                work.expansions.push(expand(all, state, place, &work.coupled));
             }
         }
         transform(stiffness, &work.expansions, work.coupled.len(), dim, &mut work.values);
@@ -224,31 +236,32 @@ struct Work {
 }
 
 /// A component of a node over the unknowns of `coupled`: empty where prescribed, the jump row where
-/// stuck, else itself.
+/// stuck, else itself, with the jump row where the jump is the unknown.
 fn expand(
     all: &Discretization,
     state: &[NodeState],
-    node: u32,
-    component: usize,
+    (node, component): (u32, usize),
     coupled: &[u32],
 ) -> Expansion {
     let place = |n: u32| coupled.iter().position(|c| *c == n).expect("a coupled node");
     if all.prescribed[node as usize][component] {
         return Vec::new();
     }
-    let row = all.secondary_of[node as usize].and_then(|index| {
-        let row = all.secondary[index as usize].rows[component].as_ref();
-        row.filter(|_| state[index as usize].stuck[component])
-    });
-    match row {
-        None => vec![(place(node), 1.0)],
-        Some(row) => row
-            .others
-            .iter()
-            .filter(|(n, _)| !all.prescribed[*n as usize][component])
-            .map(|(n, a)| (place(*n), -a / row.own))
-            .collect(),
+    let Some(index) = all.secondary_of[node as usize] else { return vec![(place(node), 1.0)] };
+    let NodeState { stuck, jump, .. } = &state[index as usize];
+    let (stuck, jump) = (stuck[component], jump[component]);
+    let row = all.secondary[index as usize].rows[component].as_ref();
+    let follows = row.filter(|_| stuck || jump);
+    let mut expansion: Expansion = follows
+        .iter()
+        .flat_map(|row| row.others.iter().map(|(n, a)| (*n, -a / row.own)))
+        .filter(|(n, _)| !all.prescribed[*n as usize][component])
+        .map(|(n, a)| (place(n), a))
+        .collect();
+    if row.is_none() || !stuck {
+        expansion.push((place(node), 1.0));
     }
+    expansion
 }
 
 /// T^T K T, of `coupled` x `coupled` blocks.
@@ -275,14 +288,10 @@ fn transform(
     }
 }
 
-/// Turns `diagonal`, that of the cells' stiffness at all local nodes, into that of the tangent;
-/// entries of ghosts are to be added to the owners afterwards, those of identity rows mean nothing.
+/// Adds to `diagonal`, at all local nodes, what the tangent's has beyond that of the cells'
+/// stiffness; entries of ghosts are to be added to the owners afterwards, those of identity rows mean nothing.
 /// `state` gives the state of every entry of `all.secondary`. Local.
-pub(super) fn transformed_diagonal(
-    all: &Discretization,
-    state: &[NodeState],
-    diagonal: &mut [f64],
-) {
+pub(super) fn transform_diagonal(all: &Discretization, state: &[NodeState], diagonal: &mut [f64]) {
     let dim = all.dim;
     let mut coupled = Vec::new();
     for cell in all.cells.layer() {
@@ -292,7 +301,7 @@ pub(super) fn transformed_diagonal(
         let expansions: Vec<Expansion> = nodes
             .iter()
             .flat_map(|n| (0..dim).map(|c| (*n, c)))
-            .map(|(n, c)| expand(all, state, n, c, &coupled))
+            .map(|place| expand(all, state, place, &coupled))
             .collect();
         let n = expansions.len();
         for (i, rows) in expansions.iter().enumerate() {
@@ -313,7 +322,7 @@ pub(super) fn transformed_diagonal(
             let Some(row) = &rows.rows[c] else { continue };
             let stiffness = row.weight * state.tangent[c][c];
             diagonal[rows.node as usize * dim + c] += row.own * row.own * stiffness;
-            for (node, a) in &row.others {
+            for (node, a) in row.others.iter().filter(|_| !state.jump[c]) {
                 diagonal[*node as usize * dim + c] += a * a * stiffness;
             }
         }
@@ -338,8 +347,9 @@ fn add_law(
     for c in (0..dim).filter(|c| !state.stuck[*c]) {
         let Some(row) = &rows.rows[c] else { continue };
         weight[c] = row.weight;
-        let unknown = |n: u32| !all.prescribed[n as usize][c];
-        for (k, node) in nodes.iter().enumerate().filter(|(_, n)| unknown(**n)) {
+        let acts = |n: u32| n == rows.node || !state.jump[c];
+        let free = |n: u32| acts(n) && !all.prescribed[n as usize][c];
+        for (k, node) in nodes.iter().enumerate().filter(|(_, n)| free(**n)) {
             a[c][k] = rows.coefficient(c, *node);
         }
     }

@@ -3,8 +3,6 @@
 //! Small strain, plane strain in 2D. All cells are boxes; those of one size and material are
 //! identical up to translation and share one stiffness.
 
-use nalgebra::DMatrix;
-
 use super::Modal;
 use crate::element::{Shape, gauss, mapping};
 use crate::mesh::{Prototype, axes};
@@ -73,16 +71,6 @@ impl Stiffness {
         let modal = Modal::new(&matrix, shape.vertices(), dim)
             .expect("a box of isotropic material is diagonal by modes");
         Self { dim, elastic, matrix, modal, centre }
-    }
-
-    /// The largest eigenvalue of K over its diagonal. Whatever cells are put together, the
-    /// assembled matrix over its own diagonal has none above the largest of its cells.
-    pub fn largest_scaled_eigenvalue(&self) -> f64 {
-        let n = self.centre.len() * self.dim;
-        let scale = |i: usize| self.matrix[i * (n + 1)].sqrt();
-        let scaled = |i: usize, j: usize| self.matrix[i * n + j] / (scale(i) * scale(j));
-        let spectrum = DMatrix::from_fn(n, n, scaled).symmetric_eigenvalues();
-        spectrum.iter().copied().fold(0.0, f64::max)
     }
 
     /// Nodal forces f = K u; both of length n dim.

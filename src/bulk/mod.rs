@@ -6,4 +6,4 @@ mod modal;
 
 pub use elastic::{Elastic, Stiffness};
 pub use loads::Loads;
-pub use modal::{MODES, Modal, partner};
+pub use modal::{MODES, Modal, couples, partner};

@@ -38,7 +38,7 @@ impl Modal {
                     value += sign(a, m) * matrix[(a * dim + c) * size + b * dim + d] * sign(b, k);
                 }
                 value /= (n * n) as f64;
-                if k == partner(c, d, m) {
+                if k == partner(c, d, m) && couples(c, d, m) {
                     modal.entry[c][d][m] = value;
                     largest = largest.max(value.abs());
                 } else {
@@ -48,6 +48,12 @@ impl Modal {
         }
         (other <= ZERO * largest).then_some(modal)
     }
+}
+
+/// Whether components c and d act on each other in mode `m` of c: only where it is a difference
+/// along the axis of one of them and a sum along that of the other.
+pub const fn couples(c: usize, d: usize, m: usize) -> bool {
+    c == d || (m >> c ^ m >> d) & 1 == 1
 }
 
 /// The mode of component d that acts on mode `m` of component c.
@@ -65,7 +71,8 @@ mod tests {
     #[test]
     fn the_modal_form_gives_the_forces_of_the_matrix() {
         for (dim, shape) in [(2, Shape::Quad4), (3, Shape::Hex8)] {
-            let prototype = Prototype { size: [0.5, if dim == 2 { 1.0 } else { 0.3 }, 0.2], material: 0 };
+            let prototype =
+                Prototype { size: [0.5, if dim == 2 { 1.0 } else { 0.3 }, 0.2], material: 0 };
             let stiffness = Stiffness::new(&prototype, Elastic::new(5.8e9, 0.3), dim);
             let corners = shape.vertices();
             let modal = &stiffness.modal;

@@ -1,7 +1,7 @@
 //! Nested coarser lattices, for multigrid and for the partition.
 
 use super::column::{Body, Column};
-use super::{CellPlace, axes};
+use super::{CellPlace, NodePlace, axes};
 
 /// Axes whose cells are longer than this many times the shortest edge are not coarsened: a
 /// point-wise smoother does nothing along them until the others have caught up.
@@ -46,8 +46,7 @@ impl Column {
         let planes = &body.planes[axis];
         let width = |k: usize| self.plane(index, axis, k + 1) - self.plane(index, axis, k);
         let material = |k: usize| if axis == 2 { self.material_of_layer(body, k) } else { 0 };
-        let cells: Vec<(usize, usize)> =
-            (0..planes.len() - 1).map(|k| (k, material(k))).collect();
+        let cells: Vec<(usize, usize)> = (0..planes.len() - 1).map(|k| (k, material(k))).collect();
         let mut kept = vec![planes[0]];
         for same in cells.chunk_by(|a, b| a.1 == b.1) {
             let widths: Vec<f64> = same.iter().map(|(k, _)| width(*k)).collect();
@@ -59,6 +58,38 @@ impl Column {
 
     fn material_of_layer(&self, body: &Body, k: usize) -> usize {
         body.layers[body.planes[2][k] as usize >> self.refinements].material
+    }
+
+    /// The cells of the finer lattice `fine` that a cell of this lattice consists of.
+    pub fn children(&self, place: CellPlace, fine: &Self) -> Vec<CellPlace> {
+        let ranges: [_; 3] = std::array::from_fn(|axis| {
+            let ends = &self.bodies[place.body].planes[axis][place.at[axis]..];
+            let planes = &fine.bodies[place.body].planes[axis];
+            let at = |end: u32| planes.partition_point(|plane| *plane < end);
+            at(ends[0])..at(ends[1])
+        });
+        let [x, y, z] = ranges;
+        let body = place.body;
+        let row = |j, k| x.clone().map(move |i| CellPlace { body, at: [i, j, k] });
+        z.flat_map(|k| y.clone().flat_map(move |j| row(j, k).collect::<Vec<_>>())).collect()
+    }
+
+    /// Where a node of the finer lattice `fine` lies in this one: along each axis the plane of
+    /// nodes at or below it, and how far it is from there to the next one (0 to below 1).
+    pub fn place_in(&self, fine: &Self, node: NodePlace) -> ([usize; 3], [f64; 3]) {
+        let (mut at, mut fraction) = ([0; 3], [0.0; 3]);
+        for axis in axes(self.dim).iter().copied() {
+            let plane = fine.bodies[node.body].planes[axis][node.at[axis]];
+            let planes = &self.bodies[node.body].planes[axis];
+            at[axis] = planes.partition_point(|p| *p <= plane) - 1;
+            if planes[at[axis]] != plane {
+                let (low, high) = (at[axis], at[axis] + 1);
+                let low = self.plane(node.body, axis, low);
+                let x = fine.plane(node.body, axis, node.at[axis]);
+                fraction[axis] = (x - low) / (self.plane(node.body, axis, high) - low);
+            }
+        }
+        (at, fraction)
     }
 
     /// How many cells of the finest lattice a cell consists of.
@@ -108,8 +139,8 @@ mod tests {
     fn column(size: &str, cells: &str) -> Column {
         let yaml = format!(
             "title: t\nmesh: {{column: {{size: {size}, cells: {cells}}}}}\n\
-             materials: {{rock: {{young_modulus: 1.0, poisson_ratio: 0.0}}}}\n\
-             boundary:\n  - {{on: bottom, displacement: [0, 0, 0]}}\n\
+             materials: {{rock: {{elastic: {{young_modulus: 1.0, poisson_ratio: 0.0}}}}}}\n\
+             boundary:\n  - {{on: bottom, displacement: {{x: 0, y: 0, z: 0}}}}\n\
              time: {{instants: [1.0]}}\noutput: {{directory: out}}\n"
         );
         let case = Case::read(&yaml, Path::new("t.yaml"), &[]).expect("a case");

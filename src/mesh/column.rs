@@ -290,38 +290,6 @@ impl Column {
         Surfaces(conditions.iter().enumerate().map(|(bit, on)| u8::from(*on) << bit).sum())
     }
 
-    /// The cells of the finer lattice `fine` that a cell of this lattice consists of.
-    pub fn children(&self, place: CellPlace, fine: &Self) -> Vec<CellPlace> {
-        let ranges: [_; 3] = std::array::from_fn(|axis| {
-            let ends = &self.bodies[place.body].planes[axis][place.at[axis]..];
-            let planes = &fine.bodies[place.body].planes[axis];
-            let at = |end: u32| planes.partition_point(|plane| *plane < end);
-            at(ends[0])..at(ends[1])
-        });
-        let [x, y, z] = ranges;
-        let body = place.body;
-        let row = |j, k| x.clone().map(move |i| CellPlace { body, at: [i, j, k] });
-        z.flat_map(|k| y.clone().flat_map(move |j| row(j, k).collect::<Vec<_>>())).collect()
-    }
-
-    /// Where a node of the finer lattice `fine` lies in this one: along each axis the plane of
-    /// nodes at or below it, and how far it is from there to the next one (0 to below 1).
-    pub fn place_in(&self, fine: &Self, node: NodePlace) -> ([usize; 3], [f64; 3]) {
-        let (mut at, mut fraction) = ([0; 3], [0.0; 3]);
-        for axis in axes(self.dim).iter().copied() {
-            let plane = fine.bodies[node.body].planes[axis][node.at[axis]];
-            let planes = &self.bodies[node.body].planes[axis];
-            at[axis] = planes.partition_point(|p| *p <= plane) - 1;
-            if planes[at[axis]] != plane {
-                let (low, high) = (at[axis], at[axis] + 1);
-                let low = self.plane(node.body, axis, low);
-                let x = fine.plane(node.body, axis, node.at[axis]);
-                fraction[axis] = (x - low) / (self.plane(node.body, axis, high) - low);
-            }
-        }
-        (at, fraction)
-    }
-
     /// The cell behind a facet of a face; `at` is the facet's position along x, y.
     pub fn facet_cell(&self, face: Facets, at: [usize; 2]) -> CellPlace {
         let k = if face.upper { self.extent(face.body)[2] - 1 } else { 0 };

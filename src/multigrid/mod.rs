@@ -4,6 +4,7 @@
 //! state of the interfaces brought down from the level above. All levels but the coarsest are
 //! applied without a matrix; the coarsest is assembled and eliminated.
 
+mod spectrum;
 mod transfer;
 
 use std::rc::Rc;
@@ -12,14 +13,13 @@ use crate::assembly::{Discretization, NodeState, Pattern, Tangent, TangentOperat
 use crate::comm::Comm;
 use crate::error::Result;
 use crate::mesh::Column;
-use crate::petsc::{Matrix, MultigridLevel, Petsc};
+use crate::petsc::{Matrix, MultigridLevel, Petsc, Smoother};
 
+pub use spectrum::largest_eigenvalue;
 pub use transfer::Transfer;
 
 /// Part of the spectrum over the diagonal that the smoother damps, from its upper end.
 const DAMPED: f64 = 0.1;
-/// The spectrum ends below the bound that the single cells give by about this factor.
-const REACHED: f64 = 1.0;
 
 /// The levels below the finest, coarsest first, and what joins them.
 pub struct Hierarchy {
@@ -30,8 +30,10 @@ pub struct Hierarchy {
     /// From each level to the next finer one, as operators and for PETSc.
     transfers: Vec<(Rc<Transfer>, Matrix)>,
     coarsest: Tangent,
-    /// Largest eigenvalue over the diagonal on each level.
+    /// Largest eigenvalue over the diagonal of the tied body, from the level above the coarsest.
     largest: Vec<f64>,
+    /// The smoothers of the same levels.
+    smoothers: Vec<Smoother>,
 }
 
 impl Hierarchy {
@@ -46,10 +48,13 @@ impl Hierarchy {
     ) -> Result<Self> {
         let (mut columns, mut operators, mut largest) = (Vec::new(), Vec::new(), Vec::new());
         for (column, all) in levels {
-            let mut bounds = [all.cells.largest_diagonal(), all.cells.largest_scaled_eigenvalue()];
-            comm.max(&mut bounds);
-            operators.push(Rc::new(TangentOperator::new(all, bounds[0])));
-            largest.push(bounds[1]);
+            let mut diagonal = [all.cells.largest_diagonal()];
+            comm.max(&mut diagonal);
+            let operator = Rc::new(TangentOperator::new(all, diagonal[0]));
+            if !operators.is_empty() {
+                largest.push(largest_eigenvalue(comm, &operator));
+            }
+            operators.push(operator);
             columns.push(column);
         }
         let all = operators[0].discretization();
@@ -79,7 +84,8 @@ impl Hierarchy {
                 matrices.push(Matrix::shell(petsc, rows, rows, dim, fine.clone())?);
             }
         }
-        Ok(Self { operators, matrices, transfers, coarsest, largest })
+        let smoothers = Vec::new();
+        Ok(Self { operators, matrices, transfers, coarsest, largest, smoothers })
     }
 
     /// The operator of the finest level.
@@ -87,15 +93,21 @@ impl Hierarchy {
         &self.operators[self.operators.len() - 1]
     }
 
+    /// From each level to the next finer one, coarsest first.
+    pub fn transfers(&self) -> impl Iterator<Item = &Transfer> {
+        self.transfers.iter().map(|(transfer, _)| &**transfer)
+    }
+
+    /// Takes charge of the smoothers that PETSc made of the levels.
+    pub fn take_smoothers(&mut self, smoothers: Vec<Smoother>) {
+        self.smoothers = smoothers;
+    }
+
     /// The levels for PETSc, coarsest first.
     pub fn levels(&self) -> Vec<MultigridLevel<'_>> {
         let level = |number: usize| {
-            let high = REACHED * self.largest[number];
-            MultigridLevel {
-                matrix: self.matrices.get(number),
-                interpolation: number.checked_sub(1).map(|below| &self.transfers[below].1),
-                damped: [DAMPED * high, high],
-            }
+            let interpolation = number.checked_sub(1).map(|below| &self.transfers[below].1);
+            MultigridLevel { matrix: self.matrices.get(number), interpolation }
         };
         (0..self.operators.len()).map(level).collect()
     }
@@ -114,6 +126,12 @@ impl Hierarchy {
         let mut state = state.to_vec();
         for level in (0..self.operators.len()).rev() {
             self.operators[level].set_state(&state);
+            if let Some(smoother) = level.checked_sub(1).and_then(|l| self.smoothers.get(l)) {
+                let mut coupling = [self.operators[level].strongest_pair()];
+                comm.max(&mut coupling);
+                let high = self.largest[level - 1] * (1.0 + coupling[0]);
+                smoother.damp([DAMPED * high, high])?;
+            }
             if level == 0 {
                 // With one level the finest matrix is not the one that is eliminated.
                 let all = self.operators[0].discretization();

@@ -13,8 +13,8 @@ const WIDTH: usize = NodeState::WIDTH;
 
 /// Multilinear interpolation from the nodes of a coarse level to those of the next finer one.
 ///
-/// It takes displacements to displacements: unknowns are expanded on the coarse level first, and
-/// what lies on an identity row of the fine level is dropped.
+/// It takes displacements to displacements and jumps to jumps: unknowns are expanded on the coarse
+/// level first, and what lies on an identity row of the fine level is dropped.
 pub struct Transfer {
     fine: Rc<TangentOperator>,
     coarse: Rc<TangentOperator>,
@@ -23,7 +23,7 @@ pub struct Transfer {
     /// Local coarse nodes.
     node: Vec<u32>,
     weight: Vec<f64>,
-    work: RefCell<Vec<f64>>,
+    work: RefCell<[Vec<f64>; 2]>,
 }
 
 impl Transfer {
@@ -46,8 +46,36 @@ impl Transfer {
                 start.push(node.len() as u32);
             }
         }
-        let work = RefCell::new(vec![0.0; coarse.unknowns_held()]);
+        let zero = vec![0.0; coarse.unknowns_held()];
+        let work = RefCell::new([zero.clone(), zero]);
         Self { fine, coarse, start, node, weight, work }
+    }
+
+    /// Owned unknowns of the fine and of the coarse level.
+    pub fn unknowns(&self) -> [usize; 2] {
+        [&self.fine, &self.coarse].map(|level| {
+            let all = level.discretization();
+            all.nodes.owned * all.dim
+        })
+    }
+
+    /// Interpolates the values of a fine node.
+    fn gather(&self, fine_node: usize, coarse: &[f64], values: &mut [f64]) {
+        let dim = values.len();
+        values.fill(0.0);
+        for (parent, part) in self.parents(fine_node) {
+            let from = &coarse[parent * dim..][..dim];
+            values.iter_mut().zip(from).for_each(|(v, u)| *v += part * u);
+        }
+    }
+
+    /// The transpose of `gather`.
+    fn scatter(&self, fine_node: usize, values: &[f64], coarse: &mut [f64]) {
+        let dim = values.len();
+        for (parent, part) in self.parents(fine_node) {
+            let to = &mut coarse[parent * dim..][..dim];
+            to.iter_mut().zip(values).for_each(|(f, v)| *f += part * v);
+        }
     }
 
     fn parents(&self, fine_node: usize) -> impl Iterator<Item = (usize, f64)> {
@@ -77,7 +105,10 @@ impl Transfer {
         }
         coarse.nodes.add_to_owners(&mut sums, WIDTH);
         coarse.nodes.update_ghosts(&mut sums, WIDTH);
-        coarse.secondary.iter().map(|rows| coarse_state(coarse, rows, &sums)).collect()
+        let mut state: Vec<NodeState> =
+            coarse.secondary.iter().map(|rows| coarse_state(coarse, rows, &sums)).collect();
+        self.coarse.choose_unknowns(state.iter_mut());
+        state
     }
 }
 
@@ -87,13 +118,15 @@ fn coarse_state(
     rows: &crate::interface::JumpRows<u32>,
     sums: &[f64],
 ) -> NodeState {
-    let mut state = NodeState::unpack(&sums[rows.node as usize * WIDTH..][..WIDTH]);
+    let sums = &sums[rows.node as usize * WIDTH..][..WIDTH];
     let weight = |c: usize| rows.rows[c].as_ref().map_or(0.0, |row| row.weight.sqrt());
+    let mut state = NodeState { stuck: [0, 1, 2].map(|c| sums[c] != 0.0), ..NodeState::STUCK };
     for c in 0..coarse.dim {
         for d in 0..coarse.dim {
             let product = weight(c) * weight(d);
-            let free = product > 0.0 && !state.stuck[c] && !state.stuck[d];
-            state.tangent[c][d] = if free { state.tangent[c][d] / product } else { 0.0 };
+            if product > 0.0 && !state.stuck[c] && !state.stuck[d] {
+                state.tangent[c][d] = sums[3 + 3 * c + d] / product;
+            }
         }
     }
     state
@@ -119,15 +152,20 @@ fn parents(fine: &Column, coarse: &Column, name: u64) -> Vec<(u64, f64)> {
 impl LinearOperator for Transfer {
     /// Coarse unknowns to fine ones.
     fn multiply(&self, x: &[f64], y: &mut [f64]) {
-        let dim = self.fine.discretization().dim;
-        let u = &mut *self.work.borrow_mut();
+        let fine = self.fine.discretization();
+        let dim = fine.dim;
+        let [u, _] = &mut *self.work.borrow_mut();
         u[..x.len()].copy_from_slice(x);
         self.coarse.expand(u);
         for (node, values) in y.chunks_exact_mut(dim).enumerate() {
-            values.fill(0.0);
-            for (parent, part) in self.parents(node) {
-                let from = &u[parent * dim..][..dim];
-                values.iter_mut().zip(from).for_each(|(v, u)| *v += part * u);
+            self.gather(node, u, values);
+        }
+        self.coarse.to_jumps(u);
+        for (index, rows) in fine.secondary[..fine.owned_secondary()].iter().enumerate() {
+            let (node, mut jump) = (rows.node as usize, [0.0; 3]);
+            self.gather(node, u, &mut jump[..dim]);
+            for c in (0..dim).filter(|c| self.fine.unknown_is_jump(index, *c)) {
+                y[node * dim + c] = jump[c];
             }
         }
         self.fine.for_identity_components(|own| y[own] = 0.0);
@@ -135,20 +173,24 @@ impl LinearOperator for Transfer {
 
     /// Fine forces to coarse ones.
     fn multiply_transpose(&self, x: &[f64], y: &mut [f64]) {
-        let dim = self.fine.discretization().dim;
-        let force = &mut *self.work.borrow_mut();
+        let fine = self.fine.discretization();
+        let dim = fine.dim;
+        let [force, on_jumps] = &mut *self.work.borrow_mut();
         force.fill(0.0);
-        let identity = self.fine.identity_marks();
-        for (node, values) in x.chunks_exact(dim).enumerate() {
-            let mut own = [0.0; 3];
-            own[..dim].copy_from_slice(values);
-            (0..dim).filter(|c| identity[node * dim + c]).for_each(|c| own[c] = 0.0);
-            for (parent, part) in self.parents(node) {
-                let to = &mut force[parent * dim..][..dim];
-                to.iter_mut().zip(own).for_each(|(f, v)| *f += part * v);
+        on_jumps.fill(0.0);
+        let mut r = x.to_vec();
+        self.fine.for_identity_components(|own| r[own] = 0.0);
+        for (index, rows) in fine.secondary[..fine.owned_secondary()].iter().enumerate() {
+            let (node, mut jump) = (rows.node as usize, [0.0; 3]);
+            for c in (0..dim).filter(|c| self.fine.unknown_is_jump(index, *c)) {
+                jump[c] = std::mem::take(&mut r[node * dim + c]);
             }
+            self.scatter(node, &jump[..dim], on_jumps);
         }
-        self.coarse.fold(force);
+        for (node, values) in r.chunks_exact(dim).enumerate() {
+            self.scatter(node, values, force);
+        }
+        self.coarse.fold(force, Some(on_jumps));
         y.copy_from_slice(&force[..y.len()]);
     }
 }

@@ -92,6 +92,8 @@ pub struct LinearFailure {
     pub iterations: usize,
     /// Last residual norm that the method computed.
     pub residual: f64,
+    /// `INFOG(1)` of MUMPS, where its factors are the preconditioner.
+    pub mumps: Option<i32>,
 }
 
 /// The linear solver of a `Snes`, borrowed from it.
@@ -126,6 +128,23 @@ impl Ksp {
         // SAFETY: a valid solver; PETSc checks the values.
         let code = unsafe { ffi::KSPSetTolerances(self.raw, relative, absolute, keep, iterations) };
         check(code, "KSPSetTolerances")
+    }
+
+    /// Relative and absolute tolerance of the residual.
+    pub(super) fn tolerances(self) -> Result<(f64, f64)> {
+        let (mut relative, mut absolute, mut divergence, mut iterations) = (0.0, 0.0, 0.0, 0);
+        // SAFETY: a valid solver and places for its four numbers.
+        let code = unsafe {
+            ffi::KSPGetTolerances(
+                self.raw,
+                &mut relative,
+                &mut absolute,
+                &mut divergence,
+                &mut iterations,
+            )
+        };
+        check(code, "KSPGetTolerances")?;
+        Ok((relative, absolute))
     }
 
     /// Whether the solver iterates, and not only applies its preconditioner.
@@ -223,7 +242,8 @@ impl Ksp {
             },
             _ => format!("{reason} (iteration {iterations}, residual {residual:.3e})"),
         };
-        Ok(Some(LinearFailure { reason, words, iterations, residual }))
+        let mumps = self.mumps_infog(1)?;
+        Ok(Some(LinearFailure { reason, words, iterations, residual, mumps }))
     }
 
     fn preconditioner_words(self) -> Result<String> {

@@ -16,10 +16,10 @@ mod vector;
 
 pub use linear::{KspSetup, LinearFailure, LinearReason};
 pub use matrix::Matrix;
-pub use multigrid::MultigridLevel;
+pub use multigrid::{MultigridLevel, Smoother};
 pub use session::{Petsc, Stage};
 pub use shell::LinearOperator;
 pub use snes::{
-    LinearTolerance, NonlinearSystem, Snes, SnesReason, SolveReport, TangentChange, Verdict,
+    LinearTolerance, NonlinearSystem, Snes, SnesReason, SolveReport, TangentChange, Trial, Verdict,
 };
 pub use vector::{ReadView, Vector, WriteView};

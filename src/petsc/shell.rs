@@ -114,8 +114,7 @@ fn answer(result: Result<()>) -> ffi::PetscErrorCode {
 unsafe extern "C" fn multiply(a: ffi::Mat, x: ffi::Vec, y: ffi::Vec) -> ffi::PetscErrorCode {
     let work = || {
         // SAFETY: PETSc lends a valid matrix and two different valid vectors during the call.
-        let (operator, x, mut y) =
-            unsafe { (operator(a)?, ReadView::new(x)?, WriteView::new(y)?) };
+        let (operator, x, mut y) = unsafe { (operator(a)?, ReadView::new(x)?, WriteView::new(y)?) };
         operator.multiply(&x, &mut y);
         Ok(())
     };
@@ -131,8 +130,7 @@ unsafe extern "C" fn multiply_transpose(
 ) -> ffi::PetscErrorCode {
     let work = || {
         // SAFETY: PETSc lends a valid matrix and two different valid vectors during the call.
-        let (operator, x, mut y) =
-            unsafe { (operator(a)?, ReadView::new(x)?, WriteView::new(y)?) };
+        let (operator, x, mut y) = unsafe { (operator(a)?, ReadView::new(x)?, WriteView::new(y)?) };
         operator.multiply_transpose(&x, &mut y);
         Ok(())
     };

@@ -4,80 +4,18 @@
 
 mod callbacks;
 mod report;
+mod system;
 
 pub use report::{SnesReason, SolveReport};
+pub use system::{LinearTolerance, NonlinearSystem, TangentChange, Trial, Verdict};
 
 use super::error::{c_string, check, forget};
 use super::linear::{Ksp, KspSetup, LinearFailure};
-use super::{Matrix, MultigridLevel, Petsc, Vector, ffi};
+use super::{Matrix, MultigridLevel, Petsc, Smoother, Vector, ffi};
 use crate::error::{Error, Result};
 use callbacks::{Context, UserSet};
 use std::ffi::c_void;
 use std::ptr;
-
-/// Whether a call of [`NonlinearSystem::tangent`] changed the matrix.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TangentChange {
-    /// No: the preconditioner and the factors are kept.
-    Unchanged,
-    /// Yes: the preconditioner is built again.
-    Changed,
-    /// Yes, but so little that the old preconditioner serves an iterative solver.
-    ChangedKeepPreconditioner,
-}
-
-/// What the test of convergence says.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
-    /// Another correction.
-    Continue,
-    /// The state is the solution.
-    Converged,
-    /// There is no hope.
-    Diverged,
-}
-
-/// Tolerances of a linear solve, on the 2-norm of the true residual.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LinearTolerance {
-    /// Times the norm of the right-hand side; from 0 to below 1.
-    pub relative: f64,
-    /// In the unit of the residual.
-    pub absolute: f64,
-}
-
-/// A system f(x) = 0 with a sparse tangent. All methods are called collectively; slices
-/// hold the entries that this rank owns.
-///
-/// An `Err` has to be agreed on: either every rank returns it or none (see
-/// [`crate::comm::Comm::agree`]).
-pub trait NonlinearSystem {
-    /// Writes the residual of the state `x` into `f`.
-    fn residual(&mut self, x: &[f64], f: &mut [f64]) -> Result<()>;
-
-    /// Writes the tangent at `x` into the matrix; once for each correction, before its linear
-    /// solve.
-    fn tangent(&mut self, x: &[f64], matrix: &mut Matrix) -> Result<TangentChange>;
-
-    /// Turns the correction that the linear solve returned into the direction d of the unknowns:
-    /// x becomes x - d (times the step length of the line search).
-    fn direction(&mut self, x: &[f64], correction: &mut [f64]) -> Result<()>;
-
-    /// Judges the state after each correction, and before the first (iteration 0); `norm` is the
-    /// 2-norm of `f`.
-    fn verdict(&mut self, iteration: usize, x: &[f64], f: &[f64], norm: f64) -> Result<Verdict>;
-
-    /// Where an iterative linear solve starts: `guess` comes in as zero, `rhs` is the right-hand
-    /// side. The rows belong to the system that `matrix` holds.
-    fn initial_guess(&mut self, matrix: &Matrix, rhs: &[f64], guess: &mut [f64]) -> Result<()> {
-        let _ = (matrix, rhs, guess);
-        Ok(())
-    }
-
-    /// The tolerances of the linear solve that follows iteration `iteration`, whose residual has
-    /// the given norm.
-    fn linear_tolerance(&mut self, iteration: usize, norm: f64) -> LinearTolerance;
-}
 
 /// Newton's method with full steps; options of PETSc choose another line search, monitors and the
 /// linear solver.
@@ -95,6 +33,8 @@ pub struct Snes {
     failed: bool,
     /// Whether the preconditioner has levels that were given to it.
     has_levels: bool,
+    /// Whether MUMPS has been given more work space.
+    more_work_space: bool,
     petsc: Petsc,
 }
 
@@ -140,8 +80,20 @@ impl Snes {
         let petsc = petsc.clone();
         let user = UserSet::default();
         let (failed, has_levels) = (false, !levels.is_empty());
-        let mut snes =
-            Snes { raw, matrix, residual, ksp, defaults, prefix, user, failed, has_levels, petsc };
+        let more_work_space = false;
+        let mut snes = Snes {
+            raw,
+            matrix,
+            residual,
+            ksp,
+            defaults,
+            prefix,
+            user,
+            failed,
+            has_levels,
+            more_work_space,
+            petsc,
+        };
         if has_levels {
             ksp.use_multigrid(levels)?;
         }
@@ -298,6 +250,31 @@ impl Snes {
         Ok(true)
     }
 
+    /// After a factorisation for which MUMPS had too little work space: gives it several times as
+    /// much from now on, unless the user has said how much. Tells whether it did. Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn try_more_work_space(&mut self, report: &SolveReport) -> Result<bool> {
+        let name = format!("{}mat_mumps_icntl_14", self.prefix);
+        let short = |f: &LinearFailure| matches!(f.mumps, Some(-8 | -9 | -14 | -15 | -17 | -20));
+        let ours = self.defaults.contains(&name) && !self.more_work_space;
+        if !ours || !report.failing_linear.as_ref().is_some_and(short) {
+            return Ok(false);
+        }
+        self.more_work_space = true;
+        self.petsc.set_option(&name, "500")?;
+        Ok(true)
+    }
+
+    /// The smoothers of multigrid, from the level above the coarsest. Local.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn smoothers(&self) -> Result<Vec<Smoother>> {
+        self.ksp.smoothers(&self.petsc, &self.prefix)
+    }
+
     /// Iterations of the last linear solve. Local.
     ///
     /// # Errors
@@ -376,5 +353,9 @@ unsafe fn install<S: NonlinearSystem>(
     check(unsafe { ffi::SNESGetKSP(snes, &mut ksp) }, "SNESGetKSP")?;
     // SAFETY: the linear solver of a valid solver, the context as above.
     let code = unsafe { ffi::KSPSetPreSolve(ksp, Some(callbacks::initial_guess::<S>), context) };
-    check(code, "KSPSetPreSolve")
+    check(code, "KSPSetPreSolve")?;
+    let test = Some(callbacks::linear_verdict::<S> as _);
+    // SAFETY: as above; the context is not PETSc's to free.
+    let code = unsafe { ffi::KSPSetConvergenceTest(ksp, test, context, None) };
+    check(code, "KSPSetConvergenceTest")
 }

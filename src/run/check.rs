@@ -11,8 +11,6 @@ use crate::mesh::{Column, LocalMesh};
 use crate::solve::LinearChoice;
 use crate::space::{AtNode, Prescribed};
 
-/// Memory per unknown (bytes) of matrix, preconditioner and fields, measured on columns.
-const MULTIGRID_BYTES: f64 = 2.5e3;
 /// Largest column that the check walks through node by node.
 const MOST_NODES: u64 = 2_000_000;
 
@@ -39,7 +37,7 @@ pub fn check(path: &Path, overrides: &[String]) -> Result<String> {
         let mesh = LocalMesh::new(&column, (0..column.cells()).collect(), column.cells());
         Loads::new(&case, &mesh).check(&case.time)?;
     }
-    let bytes = unknowns as f64 * choice.bytes_per_unknown().unwrap_or(MULTIGRID_BYTES);
+    let bytes = unknowns as f64 * choice.bytes_per_unknown();
     let mut text = format!("{}\n", case.title);
     let mut line = |name: &str, what: String| {
         writeln!(text, "{name:<10} {what}").map_err(|e| Error::Bug(format!("check: {e}")))

@@ -1,6 +1,5 @@
 //! Field files: the bulk, and the secondary side of each interface.
 
-use crate::assembly::Discretization;
 use crate::case::Case;
 use crate::comm::Comm;
 use crate::error::Result;
@@ -11,6 +10,8 @@ use crate::solve::{Model, Problem};
 
 /// Writes the fields of every wanted instant.
 pub struct FieldWriter {
+    /// What every bulk file repeats, once it is known.
+    mesh: Option<BulkMesh>,
     bulk: Series,
     interfaces: Vec<Series>,
 }
@@ -20,6 +21,7 @@ impl FieldWriter {
     pub fn new(case: &Case, directory: &OutputDirectory) -> Self {
         let series = |name: &str| Series::new(directory.fields(), name);
         Self {
+            mesh: None,
             bulk: series("bulk"),
             interfaces: case.interfaces.iter().map(|i| series(&i.name)).collect(),
         }
@@ -88,47 +90,36 @@ impl FieldWriter {
     ) -> Result<()> {
         let problem = &model.stepper.problem;
         let (all, dim) = (&problem.all, case.dim);
-        let owned = 0..all.nodes.owned as u32;
-        let points: Vec<[f64; 3]> = owned.clone().map(|n| point(model, n)).collect();
-        let connectivity: Vec<i64> = all
-            .cells
-            .connectivity()
-            .iter()
-            .map(|n| i64::from(all.nodes.numbers[*n as usize]))
-            .collect();
-        let displacement: Vec<f64> = owned
-            .flat_map(|n| {
-                let u = &problem.displacement[n as usize * dim..][..dim];
-                in_space(std::array::from_fn(|c| u.get(c).copied().unwrap_or(0.0)), dim)
-            })
-            .collect();
-        let names: Vec<i64> =
-            all.nodes.names[..all.nodes.owned].iter().map(|n| *n as i64).collect();
-        let stress: Vec<f64> =
-            (0..all.cells.len()).flat_map(|c| cell_stress(all, &problem.displacement, c)).collect();
-        let material: Vec<i32> = model
-            .mesh
-            .cell_prototype
-            .iter()
-            .map(|p| model.mesh.prototypes[*p as usize].material as i32)
-            .collect();
-        let rank = vec![comm.rank(); all.cells.len()];
-        let cells: Vec<i64> = model.mesh.cells.iter().map(|c| *c as i64).collect();
+        let mesh = self.mesh.get_or_insert_with(|| BulkMesh::new(comm, model));
+        let mut displacement = vec![0.0; 3 * all.nodes.owned];
+        let nodal = problem.displacement.chunks_exact(dim);
+        for (out, u) in displacement.chunks_exact_mut(3).zip(nodal) {
+            axes(dim).iter().zip(u).for_each(|(axis, u)| out[*axis] = *u);
+        }
+        let mut stress = Vec::with_capacity(6 * all.cells.len());
+        let mut u = Vec::new();
+        for cell in 0..all.cells.len() {
+            u.clear();
+            for node in all.cells.nodes(cell) {
+                u.extend_from_slice(&problem.displacement[*node as usize * dim..][..dim]);
+            }
+            stress.extend(all.cells.stiffness(cell).stress(&u));
+        }
         let grid = Grid {
-            points: &points,
-            connectivity: &connectivity,
+            points: &mesh.points,
+            connectivity: &mesh.connectivity,
             nodes_per_cell: model.mesh.nodes_per_cell(),
             cell_type: if dim == 2 { QUADRILATERAL } else { HEXAHEDRON },
         };
         let point_data = [
             Array { name: "displacement", components: 3, values: Values::F64(&displacement) },
-            Array { name: "global_node_id", components: 1, values: Values::I64(&names) },
+            Array { name: "global_node_id", components: 1, values: Values::I64(&mesh.nodes) },
         ];
         let cell_data = [
             Array { name: "stress", components: 6, values: Values::F64(&stress) },
-            Array { name: "material", components: 1, values: Values::I32(&material) },
-            Array { name: "rank", components: 1, values: Values::I32(&rank) },
-            Array { name: "global_cell_id", components: 1, values: Values::I64(&cells) },
+            Array { name: "material", components: 1, values: Values::I32(&mesh.material) },
+            Array { name: "rank", components: 1, values: Values::I32(&mesh.rank) },
+            Array { name: "global_cell_id", components: 1, values: Values::I64(&mesh.cells) },
         ];
         self.bulk.write(comm, step, time, &grid, &point_data, &cell_data)
     }
@@ -145,15 +136,30 @@ fn in_space(v: [f64; 3], dim: usize) -> [f64; 3] {
     out
 }
 
-fn cell_stress(all: &Discretization, displacement: &[f64], cell: usize) -> [f64; 6] {
-    let u: Vec<f64> = all
-        .cells
-        .nodes(cell)
-        .iter()
-        .flat_map(|n| &displacement[*n as usize * all.dim..][..all.dim])
-        .copied()
-        .collect();
-    all.cells.stiffness(cell).stress(&u)
+/// The bulk mesh of one rank as the files hold it.
+struct BulkMesh {
+    points: Vec<[f64; 3]>,
+    connectivity: Vec<i64>,
+    nodes: Vec<i64>,
+    cells: Vec<i64>,
+    material: Vec<i32>,
+    rank: Vec<i32>,
+}
+
+impl BulkMesh {
+    fn new(comm: &Comm, model: &Model<'_>) -> Self {
+        let all = &model.stepper.problem.all;
+        let number = |n: &u32| i64::from(all.nodes.numbers[*n as usize]);
+        let material = |p: &u16| model.mesh.prototypes[*p as usize].material as i32;
+        Self {
+            points: (0..all.nodes.owned as u32).map(|n| point(model, n)).collect(),
+            connectivity: all.cells.connectivity().iter().map(number).collect(),
+            nodes: all.nodes.names[..all.nodes.owned].iter().map(|n| *n as i64).collect(),
+            cells: model.mesh.cells.iter().map(|c| *c as i64).collect(),
+            material: model.mesh.cell_prototype.iter().map(material).collect(),
+            rank: vec![comm.rank(); all.cells.len()],
+        }
+    }
 }
 
 /// The facets of one interface: owned secondary nodes as points, facets of the rank's own cells.

@@ -6,6 +6,7 @@ mod history;
 mod probes;
 mod screen;
 
+use std::cell::RefCell;
 use std::path::Path;
 
 use crate::case::{Case, Fields, read_text};
@@ -54,7 +55,9 @@ fn run(options: &RunOptions) -> u8 {
         }
     };
     screen::start_screen(runtime.comm.is_root(), options.quiet, options.verbose);
+    log_phases(&runtime, &timers);
     let result = run_case(&runtime, &timers, options);
+    timers.unwatch();
     let status = match &result {
         Ok(true) => 0,
         Ok(false) => 1,
@@ -67,6 +70,16 @@ fn run(options: &RunOptions) -> u8 {
     }
     drop(result);
     runtime.exit(status)
+}
+
+/// Gives the stages of PETSc's log (`-log_view`) the names of the phases.
+fn log_phases(runtime: &Runtime, timers: &Timers) {
+    let (petsc, stage) = (runtime.petsc.clone(), RefCell::new(None));
+    timers.watch(move |phase| {
+        // The stage before ends first. A log that PETSc refuses is no reason to stop.
+        stage.borrow_mut().take();
+        *stage.borrow_mut() = phase.and_then(|phase| petsc.stage(phase.name()).ok());
+    });
 }
 
 /// Everything between the start and the end of MPI. True when every expectation is met.
@@ -107,12 +120,16 @@ fn build<'a>(runtime: &'a Runtime, timers: &'a Timers, case: &'a Case) -> Result
         let _phase = timers.enter(Phase::Mesh);
         comm.agree(Column::new(case))?
     };
-    let choice = LinearChoice::new(case, &column);
-    let columns = if choice.preset == MULTIGRID {
-        column.hierarchy(COARSEST_CELLS * comm.size() as u64)
-    } else {
-        vec![column.described(), column]
-    };
+    let mut choice = LinearChoice::new(case, &column);
+    let mut columns = vec![column.described(), column];
+    if choice.preset == MULTIGRID {
+        let levels = columns[1].hierarchy(COARSEST_CELLS * comm.size() as u64);
+        if levels.len() > 1 {
+            columns = levels;
+        } else {
+            choice = choice.without_levels();
+        }
+    }
     let (cells, before) = {
         let _phase = timers.enter(Phase::Partition);
         partition::distribute(comm, &columns[0], Method::from_environment())?

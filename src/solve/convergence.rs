@@ -42,6 +42,18 @@ impl Worst {
     }
 }
 
+/// Errors of a state.
+struct Measure {
+    /// Largest out-of-balance force (N).
+    worst: Worst,
+    /// Largest error of the jump of each interface, over its scale.
+    defect: Vec<Worst>,
+    /// `worst` over the force scale.
+    out_of_balance: f64,
+    /// Largest of `defect`.
+    largest: f64,
+}
+
 /// Convergence test: field by field, with scales that do not vanish when every force does.
 pub struct Convergence {
     tolerance: f64,
@@ -86,6 +98,16 @@ impl Convergence {
         self.current = [largest(magnitude), largest(displacement)];
     }
 
+    /// Largest nodal force scale (N) and displacement (m) of the last evaluated state, on this rank.
+    pub fn current(&self) -> [f64; 2] {
+        self.current
+    }
+
+    /// Goes back to the scales of an earlier state. Local.
+    pub fn see_again(&mut self, scales: [f64; 2]) {
+        self.current = scales;
+    }
+
     /// Largest nodal force scale of the accepted states (N); 0 before the first.
     pub fn accepted_force(&self) -> f64 {
         self.accepted[0]
@@ -115,6 +137,52 @@ impl Convergence {
         (0..count).map(|i| holds.iter().skip(i).step_by(count).any(|h| *h == 0.0)).collect()
     }
 
+    /// How far the last evaluated state is from a solution, over the tolerance; not finite where it
+    /// makes no sense. `worst` as in [`Convergence::judge`]. Collective.
+    pub fn excess(
+        &self,
+        comm: &Comm,
+        all: &Discretization,
+        interfaces: &InterfaceState,
+        worst: Worst,
+    ) -> f64 {
+        let m = self.measure(comm, all, interfaces, worst);
+        m.out_of_balance.max(m.largest) / self.tolerance
+    }
+
+    /// The errors of the last evaluated state, field by field, over their scales. Collective.
+    fn measure(
+        &self,
+        comm: &Comm,
+        all: &Discretization,
+        interfaces: &InterfaceState,
+        worst: Worst,
+    ) -> Measure {
+        let mut scales = self.current;
+        comm.max(&mut scales);
+        let force_scale = scales[0].max(self.accepted[0]);
+        let displacement_scale = scales[1].max(self.accepted[1]);
+        let mut defect = vec![Worst::default(); interfaces.laws.len()];
+        for (rows, response) in all.secondary.iter().zip(&interfaces.response) {
+            let law = interfaces.laws[rows.interface].spec.law();
+            let scale = law.jump_scale().unwrap_or(displacement_scale);
+            let square: f64 = response.defect.iter().map(|d| d * d).sum();
+            let relative = if square == 0.0 {
+                0.0
+            } else if scale == 0.0 && square.is_finite() {
+                f64::MAX // nothing has moved yet, but something should
+            } else {
+                square.sqrt() / scale
+            };
+            defect[rows.interface].see(relative, all.nodes.names[rows.node as usize]);
+        }
+        let worst = worst.over_ranks(comm);
+        let defect: Vec<Worst> = defect.into_iter().map(|d| d.over_ranks(comm)).collect();
+        let out_of_balance = if worst.value == 0.0 { 0.0 } else { worst.value / force_scale };
+        let largest = defect.iter().map(|d| d.value).fold(0.0, f64::max);
+        Measure { worst, defect, out_of_balance, largest }
+    }
+
     /// The verdict on a state: `worst` is the largest out-of-balance nodal force (N). Collective.
     pub fn judge(
         &mut self,
@@ -125,44 +193,22 @@ impl Convergence {
         norm: f64,
         worst: Worst,
     ) -> Result<Verdict> {
-        let mut scales = self.current;
-        comm.max(&mut scales);
-        let force_scale = scales[0].max(self.accepted[0]);
-        let displacement_scale = scales[1].max(self.accepted[1]);
-        let mut defect = vec![Worst::default(); interfaces.laws.len()];
-        let mut signature = 0u64;
-        let mut holds = vec![0.0; interfaces.laws.len()];
+        let (mut signature, mut holds) = (0u64, vec![0.0; interfaces.laws.len()]);
         for (rows, response) in all.secondary.iter().zip(&interfaces.response) {
             let name = all.nodes.names[rows.node as usize];
-            let scale = interfaces.laws[rows.interface]
-                .spec
-                .law()
-                .jump_scale()
-                .unwrap_or(displacement_scale);
-            let square: f64 = response.defect.iter().map(|d| d * d).sum();
-            let relative = if square == 0.0 {
-                0.0
-            } else if scale == 0.0 && square.is_finite() {
-                f64::MAX // nothing has moved yet, but something should
-            } else {
-                square.sqrt() / scale
-            };
-            defect[rows.interface].see(relative, name);
             signature = signature.wrapping_add(mix(mix(name) ^ response.branch as u64));
             if !rows.has_multiplier() || !response.branch.gives_way() {
                 holds[rows.interface] = 1.0;
             }
         }
         self.holds.extend(holds);
-        let worst = worst.over_ranks(comm);
-        let defect: Vec<Worst> = defect.into_iter().map(|d| d.over_ranks(comm)).collect();
+        let Measure { worst, defect, out_of_balance, largest } =
+            self.measure(comm, all, interfaces, worst);
         if worst.not_a_number || !norm.is_finite() || defect.iter().any(|d| d.not_a_number) {
             let first = defect.iter().find(|d| d.not_a_number).copied().unwrap_or(worst);
             self.failure = Some(format!("a force is not a number {}", self.at(first.node)));
             return Ok(Verdict::Diverged);
         }
-        let out_of_balance = if worst.value == 0.0 { 0.0 } else { worst.value / force_scale };
-        let largest = defect.iter().map(|d| d.value).fold(0.0, f64::max);
         tracing::debug!(
             target: "newton",
             "  correction {iteration:3}  out of balance {out_of_balance:9.3e}  jumps {largest:9.3e}"

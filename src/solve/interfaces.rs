@@ -111,7 +111,7 @@ fn combine(
     dim: usize,
 ) -> NodeResponse {
     let (mut defect, mut law_traction) = ([0.0; 3], [0.0; 3]);
-    let mut state = NodeState { stuck: [false; 3], tangent: [[0.0; 3]; 3] };
+    let mut state = NodeState { stuck: [false; 3], jump: [false; 3], tangent: [[0.0; 3]; 3] };
     let mut compliance = [[0.0; 3]; 3];
     let active = |c: usize| c < dim && rows.rows[c].is_some();
     for c in (0..dim).filter(|c| active(*c)) {

@@ -2,7 +2,7 @@
 
 use crate::case::{Case, Form, Linear};
 use crate::mesh::Column;
-use crate::petsc::LinearTolerance;
+use crate::petsc::{LinearTolerance, Trial};
 
 /// A preset and why it was chosen.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -78,11 +78,9 @@ pub const MULTIGRID: &str = "multigrid";
 const PRESETS: &[(&str, &[(&str, &str)])] =
     &[("mumps", MUMPS), ("gamg", GAMG), ("hypre", HYPRE), (MULTIGRID, LEVELS)];
 
-/// Direct elimination is taken up to this many operations per unknown. Eight instants of the column:
-/// MUMPS against BoomerAMG 2.0 to 2.6 s at 9e4 (8 x 8 x 40 cells), 10.4 to 8.7 s at 4e5 (12 x 12 x 60).
-const DIRECT_LIMIT: f64 = 2.5e5;
-/// Cells more stretched than this spoil aggregation.
-const STRETCH_LIMIT: f64 = 3.0;
+/// Elimination is taken below this many unknowns: there it costs less than the levels of multigrid,
+/// above it soon costs more than all of the rest.
+const FEWEST_FOR_LEVELS: f64 = 3000.0;
 
 impl LinearChoice {
     /// The preset the case names, or the one that suits the size and shape of the problem.
@@ -100,9 +98,19 @@ impl LinearChoice {
         }
     }
 
-    /// Memory per unknown (bytes) where it is not that of multigrid: the factors of MUMPS.
-    pub fn bytes_per_unknown(&self) -> Option<f64> {
-        (self.preset == "mumps").then_some(1.1e4)
+    /// The choice for a mesh that has no coarser lattice: elimination in the place of multigrid.
+    pub fn without_levels(self) -> Self {
+        let why = format!("{}, but the mesh is too small for a coarser lattice", self.why);
+        Self::named("mumps", why)
+    }
+
+    /// Memory per unknown, about (bytes): measured on columns of 10^5 unknowns.
+    pub fn bytes_per_unknown(&self) -> f64 {
+        match self.preset {
+            "mumps" => 1.1e4,
+            MULTIGRID => 9e2,
+            _ => 3.0e3,
+        }
     }
 
     fn named(preset: &'static str, why: String) -> Self {
@@ -110,45 +118,18 @@ impl LinearChoice {
         Self { preset, why, options: options.unwrap_or_default() }
     }
 
-    /// MUMPS while elimination is cheap: about 1.5 s^2 operations per unknown in a column whose
-    /// cross-section holds s unknowns, 28 N in a compact body of N; else multigrid.
+    /// Geometric multigrid, unless the problem is small.
     fn automatic(column: &Column) -> Self {
-        let dim = column.dim as f64;
-        let unknowns = column.nodes() as f64 * dim;
-        let mut lines = [0.0_f64; 3];
-        for body in 0..column.bodies() {
-            let n = column.extent(body);
-            lines[0] = lines[0].max(n[0] as f64 + 1.0);
-            lines[1] = lines[1].max(if column.dim == 2 { 1.0 } else { n[1] as f64 + 1.0 });
-            lines[2] += n[2] as f64 + 1.0;
+        let unknowns = column.nodes() as f64 * column.dim as f64;
+        if unknowns < FEWEST_FOR_LEVELS {
+            return Self::named(
+                "mumps",
+                format!("{unknowns:.0} unknowns: elimination is cheapest"),
+            );
         }
-        let longest = lines.iter().copied().fold(0.0, f64::max);
-        let section = dim * lines.iter().product::<f64>() / longest;
-        let operations = if column.dim == 2 {
-            30.0 * section
-        } else {
-            (1.5 * section * section).min(28.0 * unknowns)
-        };
-        let stretch = (0..column.bodies()).map(|b| stretch(column, b)).fold(1.0, f64::max);
-        let about = format!(
-            "{unknowns:.0} unknowns, about {operations:.1e} operations per unknown to factorise"
-        );
-        if operations < DIRECT_LIMIT {
-            Self::named("mumps", format!("{about}: elimination is cheapest"))
-        } else if stretch > STRETCH_LIMIT {
-            Self::named("hypre", format!("{about}; cells stretched {stretch:.1} times"))
-        } else {
-            Self::named("hypre", format!("{about}: multigrid is cheaper"))
-        }
+        let why = "coarser lattices of the column make iterations cheap and few";
+        Self::named(MULTIGRID, format!("{unknowns:.0} unknowns: {why}"))
     }
-}
-
-/// Longest over shortest edge of the first cell of a body.
-fn stretch(column: &Column, body: usize) -> f64 {
-    let place = crate::mesh::CellPlace { body, at: [0; 3] };
-    let (size, _) = column.cell_size(place);
-    let edges = crate::mesh::axes(column.dim).iter().map(|a| size[*a]);
-    edges.clone().fold(0.0, f64::max) / edges.fold(f64::INFINITY, f64::min)
 }
 
 /// How far the linear systems are solved: so far that one correction of a linear problem passes
@@ -159,7 +140,11 @@ pub struct LinearTarget {
 }
 
 /// Part of the nonlinear tolerance that a linear solve may use up.
-const SHARE: f64 = 1e-2;
+const SHARE: f64 = 0.02;
+/// Of this share, what the solve aims at: its errors need not fall evenly.
+const MARGIN: f64 = 0.5;
+/// A linear solve stops when the residual of the state it leads to is this many times its own.
+const NONLINEAR: f64 = 10.0;
 /// Reduction of the residual while no force scale is known yet, and never more than this.
 const SMALLEST_REDUCTION: f64 = 1e-13;
 
@@ -167,6 +152,17 @@ impl LinearTarget {
     /// For the relative `tolerance` of the nonlinear test.
     pub fn new(tolerance: f64) -> Self {
         Self { tolerance }
+    }
+
+    /// What a linear solve does that stands at a residual of 2-norm `norm`, when the state it leads
+    /// to has a residual of norm `reached` and is `excess` times the nonlinear tolerance away from
+    /// a solution: the errors fall with the residual as long as it is the linear one.
+    pub fn trial(&self, norm: f64, reached: f64, excess: f64) -> Trial {
+        if !excess.is_finite() || (reached > NONLINEAR * norm && excess > SHARE) {
+            return Trial::Relinearise;
+        }
+        let absolute = MARGIN * norm * SHARE / excess.max(f64::MIN_POSITIVE);
+        Trial::GoOn(Some(LinearTolerance { relative: SMALLEST_REDUCTION, absolute }))
     }
 
     /// The target for a residual of 2-norm `norm`, given the force scale of the accepted states.

@@ -16,7 +16,7 @@ use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::fault;
 use crate::multigrid::Hierarchy;
-use crate::petsc::{LinearTolerance, Matrix, NonlinearSystem, TangentChange, Verdict};
+use crate::petsc::{LinearTolerance, Matrix, NonlinearSystem, TangentChange, Trial, Verdict};
 use crate::timers::{Phase, Timers};
 
 /// How the tangent of the condensed form is held.
@@ -75,7 +75,6 @@ impl<'a> Problem<'a> {
         (form, diagonal): (TangentForm, f64),
         convergence: Convergence,
         linear: LinearTarget,
-        recycle: Recycle,
     ) -> Self {
         let size = all.nodes.len() * all.dim;
         Self {
@@ -93,9 +92,14 @@ impl<'a> Problem<'a> {
             balance: vec![0.0; size],
             assembled_state: None,
             preconditioned: None,
-            recycle,
+            recycle: Recycle::default(),
             all,
         }
+    }
+
+    /// The levels of multigrid, where it is the solver.
+    pub fn hierarchy(&self) -> Option<&Hierarchy> {
+        if let TangentForm::Levels(hierarchy) = &self.form { Some(hierarchy) } else { None }
     }
 
     /// Sets the load to that at `time`. Collective.
@@ -158,6 +162,63 @@ impl<'a> Problem<'a> {
         (v, force)
     }
 
+    /// Gives the primary side the forces of the secondary components that follow it though they are
+    /// not stuck. Collective.
+    fn fold(&self, f: &mut [f64]) {
+        let (all, dim) = (&self.all, self.all.dim);
+        let jumps = self.interfaces.response.iter().any(|r| r.state.jump.contains(&true));
+        if !self.comm.any(jumps) {
+            return;
+        }
+        let mut carried = vec![0.0; self.displacement.len()];
+        for (rows, response) in all.secondary.iter().zip(&self.interfaces.response) {
+            for c in (0..dim).filter(|c| response.state.jump[*c]) {
+                let Some(row) = &rows.rows[c] else { continue };
+                let force = -f[rows.node as usize * dim + c] / row.own;
+                for (node, a) in &row.others {
+                    carried[*node as usize * dim + c] += a * force;
+                }
+            }
+        }
+        all.nodes.add_to_owners(&mut carried, dim);
+        f.iter_mut().zip(carried).for_each(|(f, carried)| *f += carried);
+    }
+
+    /// Makes a correction of the unknowns one of the displacements: components that follow the
+    /// primary side do. Collective.
+    fn follow(&self, correction: &mut [f64]) {
+        let (all, dim) = (&self.all, self.all.dim);
+        let mut y = vec![0.0; self.displacement.len()];
+        y[..correction.len()].copy_from_slice(correction);
+        all.nodes.update_ghosts(&mut y, dim);
+        for (rows, response) in all.secondary.iter().zip(&self.interfaces.response) {
+            for c in 0..dim {
+                if let Some(row) = &rows.rows[c]
+                    && (response.state.stuck[c] || response.state.jump[c])
+                {
+                    let followed: f64 =
+                        row.others.iter().map(|(n, a)| a * y[*n as usize * dim + c]).sum();
+                    correction[rows.node as usize * dim + c] -= followed / row.own;
+                }
+            }
+        }
+    }
+
+    /// The largest out-of-balance nodal force in a residual. Local.
+    fn worst_force(&self, f: &[f64]) -> Worst {
+        let (all, dim) = (&self.all, self.all.dim);
+        let mut worst = Worst::default();
+        for node in 0..all.nodes.owned {
+            let index = all.secondary_of[node].map(|i| i as usize);
+            let stuck = index.map_or([false; 3], |i| self.interfaces.response[i].state.stuck);
+            // The rows of stuck components hold a displacement, which the jumps judge.
+            let force = f[node * dim..][..dim].iter().zip(stuck).filter(|(_, stuck)| !stuck);
+            let length = force.map(|(f, _)| f * f).sum::<f64>().sqrt();
+            worst.see(length, all.nodes.names[node]);
+        }
+        worst
+    }
+
     /// Marks the owned components whose row is not the identity.
     fn free_components(&self) -> Vec<bool> {
         let (all, dim) = (&self.all, self.all.dim);
@@ -197,6 +258,10 @@ impl NonlinearSystem for Problem<'_> {
             let own = all.secondary[index].node as usize * dim + c;
             -self.bulk_force[own] / (row.weight * row.own)
         });
+        if let TangentForm::Levels(hierarchy) = &self.form {
+            let state = self.interfaces.response.iter_mut().map(|r| &mut r.state);
+            hierarchy.finest().choose_unknowns(state);
+        }
         let (known, known_force) = self.known_jumps();
         let (all, response) = (&self.all, &self.interfaces.response);
         self.balance.fill(0.0);
@@ -215,6 +280,8 @@ impl NonlinearSystem for Problem<'_> {
             self.balance[i] += self.bulk_force[i];
             *value = self.balance[i] - known_force[i];
         }
+        self.fold(f);
+        let (all, dim) = (&self.all, self.all.dim);
         // Identity rows: nothing to do where prescribed, the known jump where stuck.
         for node in 0..all.nodes.owned {
             for c in (0..dim).filter(|c| all.prescribed[node][*c]) {
@@ -263,44 +330,44 @@ impl NonlinearSystem for Problem<'_> {
     }
 
     fn direction(&mut self, _x: &[f64], correction: &mut [f64]) -> Result<()> {
-        let (all, dim) = (&self.all, self.all.dim);
-        let recycle = &mut self.recycle;
-        let mut y = vec![0.0; self.displacement.len()];
-        y[..correction.len()].copy_from_slice(correction);
-        all.nodes.update_ghosts(&mut y, dim);
-        for (rows, response) in all.secondary.iter().zip(&self.interfaces.response) {
-            for c in 0..dim {
-                if let Some(row) = &rows.rows[c]
-                    && response.state.stuck[c]
-                {
-                    let followed: f64 =
-                        row.others.iter().map(|(n, a)| a * y[*n as usize * dim + c]).sum();
-                    correction[rows.node as usize * dim + c] -= followed / row.own;
-                }
-            }
-        }
-        recycle.keep(correction);
+        self.follow(correction);
+        self.recycle.keep(self.comm, &self.all, correction);
         Ok(())
     }
 
-    fn initial_guess(&mut self, matrix: &Matrix, rhs: &[f64], guess: &mut [f64]) -> Result<()> {
+    fn trial(&mut self, correction: &[f64], norm: f64) -> Result<Trial> {
+        let owned = correction.len();
+        let mut x = correction.to_vec();
+        self.follow(&mut x);
+        x.iter_mut().zip(&self.displacement).for_each(|(x, u)| *x = u - *x);
+        // The linear solve goes on from the state that was linearised.
+        let displacement = self.displacement.clone();
+        let (bulk_force, balance) = (self.bulk_force.clone(), self.balance.clone());
+        let response = self.interfaces.response.clone();
+        let scales = self.convergence.current();
+        let mut f = vec![0.0; owned];
+        self.residual(&x, &mut f)?;
+        let mut sums = [f.iter().map(|f| f * f).sum::<f64>()];
+        self.comm.sum(&mut sums);
+        let worst = self.worst_force(&f);
+        let excess = self.convergence.excess(self.comm, &self.all, &self.interfaces, worst);
+        self.convergence.see_again(scales);
+        (self.displacement, self.bulk_force, self.balance) = (displacement, bulk_force, balance);
+        self.interfaces.response = response;
+        Ok(self.linear.trial(norm, sums[0].sqrt(), excess))
+    }
+
+    fn initial_guess(&mut self, rhs: &[f64], guess: &mut [f64]) -> Result<()> {
         let free = self.free_components();
         let uncoupled = free.iter().zip(rhs).zip(guess.iter_mut()).filter(|((free, _), _)| !**free);
         uncoupled.for_each(|((_, rhs), guess)| *guess = rhs / self.diagonal);
-        self.recycle.guess(self.comm, matrix, &free, rhs, guess)
+        self.recycle.guess(self.comm, &self.all, &self.interfaces, &free, rhs, guess);
+        Ok(())
     }
 
     fn verdict(&mut self, iteration: usize, _x: &[f64], f: &[f64], norm: f64) -> Result<Verdict> {
-        let (all, dim) = (&self.all, self.all.dim);
-        let mut worst = Worst::default();
-        for node in 0..all.nodes.owned {
-            let index = all.secondary_of[node].map(|i| i as usize);
-            let stuck = index.map_or([false; 3], |i| self.interfaces.response[i].state.stuck);
-            // The rows of stuck components hold a displacement, which the jumps judge.
-            let force = f[node * dim..][..dim].iter().zip(stuck).filter(|(_, stuck)| !stuck);
-            let length = force.map(|(f, _)| f * f).sum::<f64>().sqrt();
-            worst.see(length, all.nodes.names[node]);
-        }
+        let worst = self.worst_force(f);
+        let all = &self.all;
         self.convergence.judge(self.comm, all, &self.interfaces, iteration, norm, worst)
     }
 

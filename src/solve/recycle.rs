@@ -2,80 +2,207 @@
 //!
 //! The bulk answers linearly, so the solution of a linear system lies close to the span of the
 //! corrections that were found before. The start is the element of that span which is closest in
-//! the energy norm of the present matrix; it costs one product per kept correction.
+//! the energy norm of the present tangent. The stiffness of the cells never changes: its products
+//! with the kept corrections are kept too, and only what the interfaces change is worked out.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
+use super::interfaces::InterfaceState;
+use crate::assembly::{CellSet, Discretization};
 use crate::comm::Comm;
-use crate::error::Result;
-use crate::petsc::{Matrix, Petsc, Vector};
 
 /// Corrections that are kept.
 const KEPT: usize = 8;
 /// Directions whose energy is smaller than this, relative to the largest, are left out.
 const SMALLEST_ENERGY: f64 = 1e-13;
 
+/// A correction of the displacements.
+struct Correction {
+    /// At all local nodes (m).
+    v: Vec<f64>,
+    /// Forces K v of the cells at owned nodes (N).
+    force: Vec<f64>,
+}
+
 /// The last corrections of one rank.
+#[derive(Default)]
 pub struct Recycle {
-    corrections: Vec<Vec<f64>>,
-    x: Vector,
-    y: Vector,
+    kept: Vec<Correction>,
+    /// V^T K V over all ranks, row by row of `kept` (J).
+    energy: Vec<Vec<f64>>,
 }
 
 impl Recycle {
-    /// Nothing kept yet; for `owned` unknowns in blocks of `dim`. Collective.
-    ///
-    /// # Errors
-    /// `System` when PETSc fails.
-    pub fn new(petsc: &Petsc, owned: usize, dim: usize) -> Result<Self> {
-        let x = Vector::new(petsc, owned, dim)?;
-        Ok(Self { corrections: Vec::new(), y: x.duplicate()?, x })
-    }
-
-    /// Keeps a correction of the displacements (owned components). Local.
-    pub fn keep(&mut self, correction: &[f64]) {
-        if self.corrections.len() == KEPT {
-            self.corrections.remove(0);
+    /// Keeps a correction of the displacements (owned components). Collective.
+    pub fn keep(&mut self, comm: &Comm, all: &Discretization, correction: &[f64]) {
+        if self.kept.len() == KEPT {
+            self.kept.remove(0);
+            self.energy.remove(0);
+            for row in &mut self.energy {
+                row.remove(0);
+            }
         }
-        self.corrections.push(correction.to_vec());
+        let owned = correction.len();
+        let mut v = vec![0.0; all.nodes.len() * all.dim];
+        v[..owned].copy_from_slice(correction);
+        all.nodes.update_ghosts(&mut v, all.dim);
+        let mut force = vec![0.0; v.len()];
+        all.cells.add_forces(CellSet::All, &v, &mut force, None);
+        all.nodes.add_to_owners(&mut force, all.dim);
+        force.truncate(owned);
+        self.kept.push(Correction { v, force });
+        let last = &self.kept[self.kept.len() - 1];
+        let mut row: Vec<f64> = self.kept.iter().map(|k| dot(&k.v[..owned], &last.force)).collect();
+        comm.sum(&mut row);
+        for (other, product) in self.energy.iter_mut().zip(&row) {
+            other.push(*product);
+        }
+        self.energy.push(row);
     }
 
-    /// Adds the best start to `guess`. `free` marks the components that the matrix couples; the
-    /// others stay. Collective.
-    ///
-    /// # Errors
-    /// `System` when PETSc fails.
+    /// Adds the best start to `guess`. `free` marks the owned components whose row is not the
+    /// identity; the others stay. Collective.
     pub fn guess(
-        &mut self,
+        &self,
         comm: &Comm,
-        matrix: &Matrix,
+        all: &Discretization,
+        interfaces: &InterfaceState,
         free: &[bool],
         rhs: &[f64],
         guess: &mut [f64],
-    ) -> Result<()> {
-        let n = self.corrections.len();
-        let masked = |v: &[f64], i: usize| if free[i] { v[i] } else { 0.0 };
-        // Upper triangle of V^T J V, then V^T rhs.
+    ) {
+        let n = self.kept.len();
+        if n == 0 {
+            return;
+        }
+        let starts: Vec<Start> = self.kept.iter().map(|k| Start::new(all, interfaces, k)).collect();
         let mut products = Vec::with_capacity(n * (n + 3) / 2);
-        for (j, v) in self.corrections.iter().enumerate() {
-            {
-                let mut x = self.x.write()?;
-                x.iter_mut().enumerate().for_each(|(i, x)| *x = masked(v, i));
+        for (j, b) in starts.iter().enumerate() {
+            for a in &starts[..=j] {
+                products.push(a.energy_beyond_the_cells(b, all, interfaces));
             }
-            matrix.multiply(&self.x, &mut self.y)?;
-            let y = self.y.read()?;
-            for u in &self.corrections[..=j] {
-                products.push((0..y.len()).map(|i| masked(u, i) * y[i]).sum::<f64>());
-            }
-            products.push((0..rhs.len()).map(|i| masked(v, i) * rhs[i]).sum::<f64>());
+            products.push(b.work(rhs, free));
         }
         comm.sum(&mut products);
-        let Some(weights) = best_weights(n, &products) else { return Ok(()) };
-        for (weight, v) in weights.iter().zip(&self.corrections) {
-            guess.iter_mut().enumerate().for_each(|(i, g)| *g += weight * masked(v, i));
+        let mut next = 0;
+        for j in 0..n {
+            for i in 0..=j {
+                products[next] += self.energy[j][i];
+                next += 1;
+            }
+            next += 1;
         }
-        Ok(())
+        let Some(weights) = best_weights(n, &products) else { return };
+        for (weight, start) in weights.iter().zip(&starts) {
+            start.add_to(*weight, free, guess);
+        }
     }
+}
+
+/// A kept correction in the unknowns and with the stuck components of the present tangent.
+struct Start<'a> {
+    kept: &'a Correction,
+    /// Jump of each owned secondary component that is not stuck (m).
+    jump: Vec<[f64; 3]>,
+    /// Unknowns that are not the displacement: places and values.
+    unknown: Vec<(usize, f64)>,
+    /// What makes the displacement one without jumps where components are stuck: at all local
+    /// nodes, and the forces of that at owned ones.
+    change: Vec<f64>,
+    force: Vec<f64>,
+    /// Nodes whose cells the change moves.
+    near: Vec<usize>,
+}
+
+impl<'a> Start<'a> {
+    /// Collective.
+    fn new(all: &Discretization, interfaces: &InterfaceState, kept: &'a Correction) -> Self {
+        let dim = all.dim;
+        let (mut jump, mut unknown) = (Vec::new(), Vec::new());
+        let mut change = vec![0.0; kept.v.len()];
+        for (rows, response) in all.secondary.iter().zip(&interfaces.response) {
+            let mut jumps = [0.0; 3];
+            for c in 0..dim {
+                let Some(row) = &rows.rows[c] else { continue };
+                let own = rows.node as usize * dim + c;
+                let others: f64 =
+                    row.others.iter().map(|(n, a)| a * kept.v[*n as usize * dim + c]).sum();
+                let w = row.own * kept.v[own] + others;
+                if response.state.stuck[c] {
+                    change[own] = -w / row.own;
+                    continue;
+                }
+                jumps[c] = w;
+                if response.state.jump[c] {
+                    unknown.push((own, w / row.own));
+                }
+            }
+            jump.push(jumps);
+        }
+        all.nodes.update_ghosts(&mut change, dim);
+        let mut force = vec![0.0; change.len()];
+        all.cells.add_forces(CellSet::Layer, &change, &mut force, None);
+        all.nodes.add_to_owners(&mut force, dim);
+        let near = (0..all.nodes.owned * dim).filter(|i| force[*i] != 0.0 || change[*i] != 0.0);
+        let near = near.collect();
+        Self { kept, jump, unknown, change, force, near }
+    }
+
+    /// This rank's part of the energy product without that of the kept displacements in the cells.
+    fn energy_beyond_the_cells(
+        &self,
+        other: &Self,
+        all: &Discretization,
+        interfaces: &InterfaceState,
+    ) -> f64 {
+        let mut sum = 0.0;
+        for i in &self.near {
+            sum += self.change[*i] * other.kept.force[*i];
+        }
+        for i in &other.near {
+            sum += (self.kept.v[*i] + self.change[*i]) * other.force[*i];
+        }
+        let pairs = self.jump.iter().zip(&other.jump);
+        for ((rows, response), (a, b)) in all.secondary.iter().zip(&interfaces.response).zip(pairs)
+        {
+            let weight = |c: usize| rows.rows[c].as_ref().map_or(0.0, |r| r.weight.sqrt());
+            for (c, d) in (0..all.dim).flat_map(|c| (0..all.dim).map(move |d| (c, d))) {
+                let tangent = weight(c) * weight(d) * response.state.tangent[c][d];
+                sum += a[c] * tangent * b[d];
+            }
+        }
+        sum
+    }
+
+    /// This rank's part of the work of `rhs`.
+    fn work(&self, rhs: &[f64], free: &[bool]) -> f64 {
+        let value = |i: usize| if free[i] { self.kept.v[i] * rhs[i] } else { 0.0 };
+        let own: f64 = (0..rhs.len()).map(value).sum();
+        let differing = self.unknown.iter().map(|(i, w)| (w - self.kept.v[*i]) * rhs[*i]);
+        own + differing.sum::<f64>()
+    }
+
+    fn add_to(&self, weight: f64, free: &[bool], guess: &mut [f64]) {
+        for ((guess, v), free) in guess.iter_mut().zip(&self.kept.v).zip(free) {
+            *guess += if *free { weight * v } else { 0.0 };
+        }
+        for (i, w) in &self.unknown {
+            guess[*i] += weight * (w - self.kept.v[*i]);
+        }
+    }
+}
+
+/// The scalar product, in several sums that the processor works on at once.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let (a, b) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    let mut sums = [0.0; 8];
+    for (a, b) in a.0.iter().zip(b.0) {
+        for i in 0..8 {
+            sums[i] += a[i] * b[i];
+        }
+    }
+    let rest: f64 = a.1.iter().zip(b.1).map(|(a, b)| a * b).sum();
+    sums.iter().sum::<f64>() + rest
 }
 
 /// Minimiser of the energy over the span, from the packed products; none if no direction has

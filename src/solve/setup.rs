@@ -6,7 +6,6 @@ use super::convergence::Convergence;
 use super::interfaces::{InterfaceState, JointLaw};
 use super::linear::{LinearChoice, LinearTarget, MULTIGRID};
 use super::problem::{Problem, TangentForm};
-use super::recycle::Recycle;
 use super::saddle::SaddlePoint;
 use super::stepping::Stepper;
 use crate::assembly::{Cells, Discretization, Pattern, SaddleTangent, Tangent};
@@ -75,7 +74,6 @@ pub fn build<'a>(
     let solver = &case.solver;
     let convergence = Convergence::new(solver.tolerance, solver.max_newton, &mesh.column, names);
     let target = LinearTarget::new(solver.tolerance);
-    let recycle = Recycle::new(&runtime.petsc, all.nodes.owned * dim, dim)?;
 
     let mut levels = Vec::new();
     if choice.preset == MULTIGRID {
@@ -89,8 +87,7 @@ pub fn build<'a>(
     let System { snes, form, diagonal, saddle, rows } = system;
     let x = Vector::new(&runtime.petsc, rows, dim)?;
     let form = (form, diagonal);
-    let problem =
-        Problem::new(comm, timers, all, loads, interfaces, form, convergence, target, recycle);
+    let problem = Problem::new(comm, timers, all, loads, interfaces, form, convergence, target);
     let stepper = Stepper::new(case, problem, snes, saddle, x, prescribed);
     Ok(Model { stepper, mesh, sides, choice, unknowns })
 }
@@ -142,10 +139,11 @@ fn system(
     let diagonal = largest[0];
     let setup = KspSetup::new(&choice.options);
     if !levels.is_empty() {
-        let hierarchy = Hierarchy::new(comm, petsc, levels)?;
+        let mut hierarchy = Hierarchy::new(comm, petsc, levels)?;
         let rows = all.nodes.owned * dim;
         let matrix = Matrix::shell(petsc, rows, rows, dim, hierarchy.finest().clone())?;
         let snes = Snes::with_levels(petsc, "", matrix, &setup, &hierarchy.levels())?;
+        hierarchy.take_smoothers(snes.smoothers()?);
         return Ok(System {
             snes,
             form: TangentForm::Levels(hierarchy),

@@ -122,6 +122,13 @@ impl<'a> Stepper<'a> {
         let written = self.write_prescribed(target);
         self.problem.comm.agree(written)?;
         let mut report = self.solve()?;
+        if self.snes.try_more_work_space(&report)? {
+            tracing::info!("  {}: MUMPS gets more work space", self.reason(&report));
+            let (corrections, linear) = (report.iterations, report.linear_iterations);
+            report = self.solve()?;
+            report.iterations += corrections;
+            report.linear_iterations += linear;
+        }
         if self.snes.try_indefinite(&report)? {
             let why = self.reason(&report);
             tracing::info!("  {why}: GMRES takes the place of conjugate gradients");

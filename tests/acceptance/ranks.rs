@@ -72,7 +72,7 @@ fn the_same_everywhere(scene: &Scene) {
         one.assert_same(&run, 1e-8);
         assert_quadratic(&run);
     }
-    for (solver, ranks) in [("gamg", [1, 3]), ("hypre", [2, 4])] {
+    for (solver, ranks) in [("gamg", [1, 3]), ("hypre", [2, 4]), ("multigrid", [1, 2])] {
         for ranks in ranks {
             one.assert_same(&with(solver, ranks), 1e-8);
         }
@@ -156,7 +156,7 @@ fn block_11_against_12_with_a_scattered_partition() {
 fn multigrid_on_a_scattered_partition() {
     let scene = block("bodies: [{cells: [8, 8, 2]}, {cells: [12, 12, 2]}]").scattered();
     let direct = scene.set("solver.linear=mumps").on(3);
-    for solver in ["gamg", "hypre"] {
+    for solver in ["gamg", "hypre", "multigrid"] {
         direct.assert_same(&scene.set(&format!("solver.linear={solver}")).on(3), 1e-8);
     }
 }

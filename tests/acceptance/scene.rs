@@ -17,7 +17,7 @@ const LIMIT: Duration = Duration::from_secs(120);
 const MOST_LAUNCHES: usize = 2;
 
 /// The linear solvers that are compared.
-pub const SOLVERS: [&str; 3] = ["mumps", "gamg", "hypre"];
+pub const SOLVERS: [&str; 4] = ["mumps", "gamg", "hypre", "multigrid"];
 
 static LAUNCHES: Mutex<usize> = Mutex::new(0);
 static ENDED: Condvar = Condvar::new();

@@ -11,9 +11,9 @@ use column_hpc::case::Case;
 use column_hpc::law::Branch;
 use column_hpc::mesh::{Column, LocalMesh};
 use column_hpc::partition::{self, Method, mix};
-use column_hpc::petsc::{NonlinearSystem, Vector};
+use column_hpc::petsc::{LinearOperator, NonlinearSystem, Vector};
 use column_hpc::runtime::Runtime;
-use column_hpc::solve::{self, LinearChoice, Model};
+use column_hpc::solve::{self, LinearChoice, MULTIGRID, Model};
 use column_hpc::timers::Timers;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -23,7 +23,7 @@ use std::path::Path;
 const STEP: f64 = 1e-10;
 
 /// The top tilts and slides more and more, comes back, is pressed down, and goes far.
-fn case(mesh: &str, law: &str) -> Case {
+fn case(mesh: &str, law: &str, solver: &str) -> Case {
     let text = format!(
         "
 mesh: {{column: {{size: [1.0, 1.0, 2.0], {mesh}}}}}
@@ -36,6 +36,7 @@ boundary:
       x: {{table: [[0, 0], [1, 2.0e-4], [2, 6.0e-4], [3, 4.0e-4], [5, 8.0e-4], [6, 9.0e-4], [7, 2.6e-3]]}}
       y: 0
       z: {{formula: \"1e-3*min(t, abs(2.9-t)*0.5)*0.6*(0.1 + x + 0.2*y) - 1e-3*max(0, min(1, min(t-3, 8-t))) + 3e-3*max(0, t-8)\"}}
+solver: {{linear: {solver}}}
 time: {{instants: [0.2, 0.5, 1, 1.5, 2, 2.5, 3, 4, 4.5, 5, 6, 7, 8, 9]}}
 "
     );
@@ -47,7 +48,8 @@ pub fn tangent_by_differences(runtime: &Runtime) {
     let cohesive = "{linear_softening: {strength: 1.1e6, fracture_energy: 900.0}}";
     for mesh in ["cells: [3, 2, 4]", "bodies: [{cells: [2, 2, 2]}, {cells: [3, 3, 2]}]"] {
         for method in [Method::Metis, Method::Scattered] {
-            let seen = check(runtime, &case(mesh, cohesive), method);
+            check(runtime, &case(mesh, cohesive, "multigrid"), method);
+            let seen = check(runtime, &case(mesh, cohesive, "mumps"), method);
             for branch in [
                 Branch::Stick,
                 Branch::StickClosed,
@@ -60,7 +62,9 @@ pub fn tangent_by_differences(runtime: &Runtime) {
                 assert!(seen.contains(&branch), "{branch:?} is missing in {seen:?}, {mesh}");
             }
         }
-        check(runtime, &case(mesh, "{tied: {}}"), Method::Metis);
+        for solver in ["mumps", "multigrid"] {
+            check(runtime, &case(mesh, "{tied: {}}", solver), Method::Metis);
+        }
     }
 }
 
@@ -69,10 +73,15 @@ fn check(runtime: &Runtime, case: &Case, method: Method) -> BTreeSet<Branch> {
     let comm = &runtime.comm;
     let timers = Timers::new();
     let column = Column::new(case).expect("a column");
-    let (cells, before) = partition::distribute(comm, &column, method).expect("cells");
     let choice = LinearChoice::new(case, &column);
-    let mesh = LocalMesh::new(&column, cells, before);
-    let mut model = solve::build(runtime, &timers, case, choice, vec![mesh]).expect("a problem");
+    let columns = if choice.preset == MULTIGRID { column.hierarchy(4) } else { vec![column] };
+    assert!(choice.preset != MULTIGRID || columns.len() > 1, "no coarser lattice");
+    let (cells, before) = partition::distribute(comm, &columns[0], method).expect("cells");
+    let mut meshes = vec![LocalMesh::new(&columns[0], cells, before)];
+    for column in &columns[1..] {
+        meshes.push(meshes[meshes.len() - 1].refined(column));
+    }
+    let mut model = solve::build(runtime, &timers, case, choice, meshes).expect("a problem");
     let mut seen = BTreeSet::new();
     for time in &case.time {
         let history = model.stepper.problem.interfaces.committed.clone();
@@ -81,6 +90,7 @@ fn check(runtime: &Runtime, case: &Case, method: Method) -> BTreeSet<Branch> {
         if accepted.steps == 1 {
             model.stepper.problem.interfaces.committed = history;
             compare(runtime, &mut model, *time);
+            transposes(runtime, &model);
             let response = &model.stepper.problem.interfaces.response;
             seen.extend(response.iter().map(|r| r.branch));
         }
@@ -108,6 +118,29 @@ impl Branches {
         Branch::Closed,
         Branch::Tied,
     ];
+}
+
+/// The transposes of the interpolations at the state of the last tangent: y . P x = x . P^T y.
+fn transposes(runtime: &Runtime, model: &Model<'_>) {
+    let problem = &model.stepper.problem;
+    let Some(hierarchy) = problem.hierarchy() else { return };
+    for transfer in hierarchy.transfers() {
+        let [fine, coarse] = transfer.unknowns();
+        let numbers = |n: usize, seed: u64| -> Vec<f64> {
+            (0..n as u64)
+                .map(|i| (mix(seed + i) >> 11) as f64 / (1u64 << 52) as f64 - 1.0)
+                .collect()
+        };
+        let seed = runtime.comm.rank() as u64 * 1_000_000;
+        let (x, y) = (numbers(coarse, seed), numbers(fine, seed + 500_000));
+        let (mut up, mut down) = (vec![0.0; fine], vec![0.0; coarse]);
+        transfer.multiply(&x, &mut up);
+        transfer.multiply_transpose(&y, &mut down);
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let mut sums = [dot(&y, &up), dot(&x, &down), dot(&up, &up).max(dot(&down, &down))];
+        runtime.comm.sum(&mut sums);
+        assert!(sums[2] > 0.0 && (sums[0] - sums[1]).abs() <= 1e-12 * sums[2], "{sums:?}");
+    }
 }
 
 /// A y against the central difference, at the state that the problem evaluated last.

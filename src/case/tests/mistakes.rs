@@ -247,7 +247,7 @@ case.yaml:12:10: boundary.0.on cannot be `botom`; did you mean `bottom`? (known:
 left, right, front, back, all)
 case.yaml:14:22: time.instants.1 must be above the instant before it at 1, got 1
 --set solver.linear=mump: solver.linear cannot be `mump`; did you mean `mumps`? (known: auto, \
-mumps, gamg, hypre)";
+mumps, gamg, hypre, multigrid)";
     assert_eq!(error, Err(Error::Input(expected.to_owned())));
 }
 

@@ -7,13 +7,20 @@
 
 #![allow(unsafe_code)]
 
-use super::{NonlinearSystem, TangentChange, Verdict};
+use super::{NonlinearSystem, TangentChange, Trial, Verdict};
 use crate::error::{Error, Result};
 use crate::petsc::error::check;
 use crate::petsc::linear::Ksp;
 use crate::petsc::{Matrix, ReadView, WriteView, ffi};
 use std::ffi::c_void;
 use std::ptr;
+
+/// The state that a linear solve leads to is tried when the residual has fallen by this, and again
+/// each time it has fallen by the second.
+const TRIAL: [f64; 2] = [1e-2, 1e-3];
+
+/// A linear residual that has grown to this times the right-hand side will not come back.
+const DIVERGED: f64 = 1e5;
 
 /// What the user's options fix and the system therefore does not change.
 #[derive(Debug, Clone, Copy, Default)]
@@ -34,6 +41,8 @@ pub(super) struct Context<'a, S> {
     user: UserSet,
     /// Number and residual norm of the state that was judged last.
     judged: (usize, f64),
+    /// Norm of the linear residual at which the next trial of the state is due.
+    next_trial: f64,
     /// The error of the callback that failed.
     pub(super) error: Option<Error>,
     /// Whether the verdict was `Diverged`.
@@ -43,7 +52,8 @@ pub(super) struct Context<'a, S> {
 impl<'a, S> Context<'a, S> {
     pub(super) fn new(system: &'a mut S, matrix: &'a mut Matrix, ksp: Ksp, user: UserSet) -> Self {
         let judged = (0, 0.0);
-        Context { system, matrix, ksp, user, judged, error: None, stopped: false }
+        let next_trial = 0.0;
+        Context { system, matrix, ksp, user, judged, next_trial, error: None, stopped: false }
     }
 }
 
@@ -117,11 +127,67 @@ pub(super) unsafe extern "C" fn tangent<S: NonlinearSystem>(
             check(code, "SNESSetLagPreconditioner")?;
         }
         let (iteration, norm) = context.judged;
+        context.next_trial = TRIAL[0] * norm;
         let tolerance = context.system.linear_tolerance(iteration, norm);
         context.ksp.set_tolerances(
             (!context.user.relative).then_some(tolerance.relative),
             (!context.user.absolute).then_some(tolerance.absolute),
         )
+    };
+    // SAFETY: as in `residual`.
+    unsafe { run::<S>(context, work) }
+}
+
+/// Whether a linear solve has converged: the usual test on the residual, and the system's opinion of
+/// the state that the correction so far leads to. Collective.
+///
+/// # Safety
+/// As [`residual`]; `reason` is a valid place for the answer.
+pub(super) unsafe extern "C" fn linear_verdict<S: NonlinearSystem>(
+    ksp: ffi::KSP,
+    _iteration: ffi::PetscInt,
+    norm: f64,
+    reason: *mut ffi::KSPConvergedReason,
+    context: *mut c_void,
+) -> ffi::PetscErrorCode {
+    let work = |context: &mut Context<'_, S>| {
+        let rhs = context.judged.1;
+        let reached = |(relative, absolute): (f64, f64)| norm <= absolute.max(relative * rhs);
+        let mut tolerances = context.ksp.tolerances()?;
+        let mut answer = if !norm.is_finite() {
+            ffi::KSP_DIVERGED_NANORINF
+        } else if norm > DIVERGED * rhs {
+            ffi::KSP_DIVERGED_DTOL
+        } else {
+            ffi::KSP_CONVERGED_ITERATING
+        };
+        let due = answer == ffi::KSP_CONVERGED_ITERATING && norm <= context.next_trial;
+        if due && !reached(tolerances) {
+            context.next_trial = TRIAL[1] * norm;
+            let mut correction = ptr::null_mut();
+            // SAFETY: the solver that calls; it lends its solution.
+            let code = unsafe { ffi::KSPBuildSolution(ksp, ptr::null_mut(), &mut correction) };
+            check(code, "KSPBuildSolution")?;
+            // SAFETY: a valid vector that nothing writes to during the call.
+            let correction = unsafe { ReadView::new(correction) }?;
+            match context.system.trial(&correction, norm)? {
+                Trial::Relinearise => answer = ffi::KSP_CONVERGED_ITS,
+                Trial::GoOn(None) => {}
+                Trial::GoOn(Some(tolerance)) => {
+                    context.ksp.set_tolerances(
+                        (!context.user.relative).then_some(tolerance.relative),
+                        (!context.user.absolute).then_some(tolerance.absolute),
+                    )?;
+                    tolerances = context.ksp.tolerances()?;
+                }
+            }
+        }
+        if answer == ffi::KSP_CONVERGED_ITERATING && reached(tolerances) {
+            answer = ffi::KSP_CONVERGED_RTOL;
+        }
+        // SAFETY: a valid place by the contract.
+        unsafe { *reason = answer };
+        Ok(())
     };
     // SAFETY: as in `residual`.
     unsafe { run::<S>(context, work) }
@@ -144,7 +210,7 @@ pub(super) unsafe extern "C" fn initial_guess<S: NonlinearSystem>(
         // SAFETY: PETSc lends two different valid vectors for the length of the call.
         let (rhs, mut guess) = (unsafe { ReadView::new(rhs) }?, unsafe { WriteView::new(guess) }?);
         guess.fill(0.0);
-        context.system.initial_guess(context.matrix, &rhs, &mut guess)?;
+        context.system.initial_guess(&rhs, &mut guess)?;
         context.ksp.start_from_guess()
     };
     // SAFETY: as in `residual`.

@@ -1,0 +1,84 @@
+//! What Newton's method solves: the system as its callbacks see it.
+
+use crate::error::Result;
+use crate::petsc::Matrix;
+
+/// Whether a call of [`NonlinearSystem::tangent`] changed the matrix.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TangentChange {
+    /// No: the preconditioner and the factors are kept.
+    Unchanged,
+    /// Yes: the preconditioner is built again.
+    Changed,
+    /// Yes, but so little that the old preconditioner serves an iterative solver.
+    ChangedKeepPreconditioner,
+}
+
+/// What the test of convergence says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// Another correction.
+    Continue,
+    /// The state is the solution.
+    Converged,
+    /// There is no hope.
+    Diverged,
+}
+
+/// Tolerances of a linear solve, on the 2-norm of the true residual.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinearTolerance {
+    /// Times the norm of the right-hand side; from 0 to below 1.
+    pub relative: f64,
+    /// In the unit of the residual.
+    pub absolute: f64,
+}
+
+/// What a trial of the state that a linear solve leads to says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Trial {
+    /// The state needs another linearisation; more digits of this correction are no use.
+    Relinearise,
+    /// Go on, to these tolerances if there are any.
+    GoOn(Option<LinearTolerance>),
+}
+
+/// A system f(x) = 0 with a sparse tangent. All methods are called collectively; slices
+/// hold the entries that this rank owns.
+///
+/// An `Err` has to be agreed on: either every rank returns it or none (see
+/// [`crate::comm::Comm::agree`]).
+pub trait NonlinearSystem {
+    /// Writes the residual of the state `x` into `f`.
+    fn residual(&mut self, x: &[f64], f: &mut [f64]) -> Result<()>;
+
+    /// Writes the tangent at `x` into the matrix; once for each correction, before its linear
+    /// solve.
+    fn tangent(&mut self, x: &[f64], matrix: &mut Matrix) -> Result<TangentChange>;
+
+    /// Turns the correction that the linear solve returned into the direction d of the unknowns:
+    /// x becomes x - d (times the step length of the line search).
+    fn direction(&mut self, x: &[f64], correction: &mut [f64]) -> Result<()>;
+
+    /// Judges the state after each correction, and before the first (iteration 0); `norm` is the
+    /// 2-norm of `f`.
+    fn verdict(&mut self, iteration: usize, x: &[f64], f: &[f64], norm: f64) -> Result<Verdict>;
+
+    /// Where an iterative linear solve starts: `guess` comes in as zero, `rhs` is the right-hand
+    /// side.
+    fn initial_guess(&mut self, rhs: &[f64], guess: &mut [f64]) -> Result<()> {
+        let _ = (rhs, guess);
+        Ok(())
+    }
+
+    /// Whether an iterative linear solve is worth going on with: it stands at `correction`, with a
+    /// residual of norm `norm`, in the unknowns of the matrix.
+    fn trial(&mut self, correction: &[f64], norm: f64) -> Result<Trial> {
+        let _ = (correction, norm);
+        Ok(Trial::GoOn(None))
+    }
+
+    /// The tolerances of the linear solve that follows iteration `iteration`, whose residual has
+    /// the given norm.
+    fn linear_tolerance(&mut self, iteration: usize, norm: f64) -> LinearTolerance;
+}
