@@ -5,6 +5,8 @@
 //! of cells lies a slot whose cell does not exist. All arithmetic then runs over the slots of a
 //! batch, as wide as the processor's vectors; the stiffness acts in modal form.
 
+#![allow(clippy::needless_range_loop)] // index notation over several arrays at once
+
 use crate::bulk::{MODES, Modal, couples, partner};
 use crate::simd::{Kernel, widest};
 

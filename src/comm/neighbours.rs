@@ -56,6 +56,15 @@ impl Neighbours {
         Ok(Neighbours { comm: comm.duplicate(), send, receive })
     }
 
+    /// The ranks that send to this one or receive from it, rising. Local.
+    pub fn ranks(&self) -> Vec<Rank> {
+        let mut ranks: Vec<Rank> =
+            self.send.iter().chain(&self.receive).map(|part| part.0).collect();
+        ranks.sort_unstable();
+        ranks.dedup();
+        ranks
+    }
+
     /// The number of values that [`Neighbours::exchange`] sends. Local.
     pub fn send_len(&self) -> usize {
         self.send.iter().map(|&(_, n)| n).sum()

@@ -24,6 +24,8 @@ pub struct Transfer {
     node: Vec<u32>,
     weight: Vec<f64>,
     work: RefCell<[Vec<f64>; 2]>,
+    /// Of the size of the owned fine unknowns.
+    residual: RefCell<Vec<f64>>,
 }
 
 impl Transfer {
@@ -48,7 +50,11 @@ impl Transfer {
         }
         let zero = vec![0.0; coarse.unknowns_held()];
         let work = RefCell::new([zero.clone(), zero]);
-        Self { fine, coarse, start, node, weight, work }
+        let residual = {
+            let fine = fine.discretization();
+            RefCell::new(vec![0.0; fine.nodes.owned * fine.dim])
+        };
+        Self { fine, coarse, start, node, weight, work, residual }
     }
 
     /// Owned unknowns of the fine and of the coarse level.
@@ -178,7 +184,8 @@ impl LinearOperator for Transfer {
         let [force, on_jumps] = &mut *self.work.borrow_mut();
         force.fill(0.0);
         on_jumps.fill(0.0);
-        let mut r = x.to_vec();
+        let r = &mut *self.residual.borrow_mut();
+        r.copy_from_slice(x);
         self.fine.for_identity_components(|own| r[own] = 0.0);
         for (index, rows) in fine.secondary[..fine.owned_secondary()].iter().enumerate() {
             let (node, mut jump) = (rows.node as usize, [0.0; 3]);

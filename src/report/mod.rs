@@ -37,6 +37,8 @@ pub struct Report {
     pub newton_iterations: u64,
     /// Iterations of the linear solver over all corrections.
     pub linear_iterations: u64,
+    /// 2-norm of the out-of-balance forces at every instant that was reached (N).
+    pub residual_norms: Vec<f64>,
     /// The linear solver.
     pub linear_solver: LinearSolver,
     /// Seconds by phase, of the slowest rank.
@@ -105,6 +107,10 @@ pub struct Partition {
     pub cells: Vec<u64>,
     /// Interface nodes of each rank.
     pub interface_nodes: Vec<u64>,
+    /// Ghost nodes of each rank: what it receives in one exchange.
+    pub ghosts: Vec<u64>,
+    /// Ranks that each rank exchanges values with.
+    pub neighbours: Vec<u64>,
     /// Pairs of interface cells whose sides are on different ranks.
     pub cut_pairs: u64,
     /// Ghost nodes over all nodes, summed over ranks.
@@ -169,11 +175,14 @@ mod tests {
             unknowns: 60,
             newton_iterations: 9,
             linear_iterations: 9,
+            residual_norms: vec![],
             linear_solver: LinearSolver { choice: "mumps".into(), why: "small".into() },
             timings: Timings::default(),
             peak_memory_bytes: Some(1),
             partition: Partition {
                 cells: vec![2, 2],
+                ghosts: vec![0],
+                neighbours: vec![0],
                 interface_nodes: vec![4, 0],
                 cut_pairs: 0,
                 ghost_share: 0.1,
@@ -188,7 +197,7 @@ mod tests {
         let mut keys: Vec<_> = value.as_object().unwrap().keys().cloned().collect();
         keys.sort();
         let expected = "case cells expectations instants linear_iterations linear_solver model \
-            newton_iterations partition peak_memory_bytes ranks status timings title unknowns versions";
+            newton_iterations partition peak_memory_bytes ranks residual_norms status timings title unknowns versions";
         assert_eq!(keys, expected.split_whitespace().collect::<Vec<_>>());
         assert_eq!(value["status"], "expectation_missed");
         let timings: Vec<_> = value["timings"].as_object().unwrap().keys().cloned().collect();

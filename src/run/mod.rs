@@ -102,6 +102,7 @@ fn run_case(runtime: &Runtime, timers: &Timers, options: &RunOptions) -> Result<
         directory,
         history: None,
         counts: [0; 2],
+        residual_norms: Vec::new(),
         accepted: 0,
     };
     let solved = session.solve(&mut model);
@@ -157,6 +158,8 @@ struct Session<'a> {
     history: Option<History>,
     /// Corrections and linear iterations so far.
     counts: [u64; 2],
+    /// 2-norm of the out-of-balance forces at every instant (N).
+    residual_norms: Vec<f64>,
     /// Instants that are on disk.
     accepted: usize,
 }
@@ -182,6 +185,7 @@ impl Session<'_> {
             };
             self.counts[0] += accepted.newton_iterations as u64;
             self.counts[1] += accepted.linear_iterations as u64;
+            self.residual_norms.push(accepted.residual_norm);
             let _phase = self.timers.enter(Phase::Output);
             let row = history::row(self.case, model, &probes, *time, &accepted, self.comm);
             let pushed = match &mut self.history {
@@ -242,6 +246,7 @@ impl Session<'_> {
                 unknowns: model.unknowns,
                 newton_iterations: self.counts[0],
                 linear_iterations: self.counts[1],
+                residual_norms: self.residual_norms.clone(),
                 linear_solver: LinearSolver {
                     choice: model.choice.preset.into(),
                     why: model.choice.why.clone(),
@@ -314,10 +319,13 @@ fn partition_of(comm: &Comm, model: &Model<'_>) -> Partition {
     let gather = |n: usize| -> Vec<u64> {
         comm.gather(&[n as u64]).map_or_else(Vec::new, |lists| lists.concat())
     };
-    let ghosts = comm.sum_u64((all.nodes.len() - all.nodes.owned) as u64);
+    let held = all.nodes.len() - all.nodes.owned;
+    let ghosts = comm.sum_u64(held as u64);
     Partition {
         cells: gather(mesh.cells.len()),
         interface_nodes: gather(all.owned_secondary()),
+        ghosts: gather(held),
+        neighbours: gather(all.nodes.neighbours()),
         cut_pairs: comm.sum_u64(cut),
         ghost_share: ghosts as f64 / all.nodes.total as f64,
         cells_before_distribution: mesh.coarse_cells,

@@ -252,7 +252,8 @@ impl Convergence {
         }
     }
 
-    fn at(&self, node: u64) -> String {
+    /// The place of a node in words.
+    pub fn at(&self, node: u64) -> String {
         let [x, y, z] = self.column.point(node);
         format!("at ({x}, {y}, {z}) m")
     }

@@ -61,6 +61,8 @@ pub struct Problem<'a> {
     /// States for which the preconditioner was set up.
     preconditioned: Option<Vec<NodeState>>,
     recycle: Recycle,
+    /// 2-norm of the out-of-balance forces at the state that was judged last (N).
+    pub residual_norm: f64,
 }
 
 impl<'a> Problem<'a> {
@@ -93,6 +95,7 @@ impl<'a> Problem<'a> {
             assembled_state: None,
             preconditioned: None,
             recycle: Recycle::default(),
+            residual_norm: 0.0,
             all,
         }
     }
@@ -116,20 +119,22 @@ impl<'a> Problem<'a> {
         self.comm.agree(added)
     }
 
-    /// Forces of the bulk at `u`, and the magnitudes of nodal forces and loads. Collective.
-    pub(super) fn evaluate_bulk(&mut self, x: &[f64]) {
+    /// Forces of the bulk at `x`, and the magnitudes of nodal forces and loads if they are wanted.
+    /// Collective.
+    pub(super) fn evaluate_bulk(&mut self, x: &[f64], with_scales: bool) {
         let (nodes, dim) = (&self.all.nodes, self.all.dim);
         self.displacement[..x.len()].copy_from_slice(x);
         nodes.update_ghosts(&mut self.displacement, dim);
         self.bulk_force.iter_mut().zip(&self.load).for_each(|(f, l)| *f = -l);
+        let (u, force) = (&self.displacement, &mut self.bulk_force);
+        if !with_scales {
+            self.all.cells.add_forces(CellSet::All, u, force, None);
+            nodes.add_to_owners(force, dim);
+            return;
+        }
         let mut magnitude = vec![0.0; nodes.len()];
-        self.all.cells.add_forces(
-            CellSet::All,
-            &self.displacement,
-            &mut self.bulk_force,
-            Some(&mut magnitude),
-        );
-        nodes.add_to_owners(&mut self.bulk_force, dim);
+        self.all.cells.add_forces(CellSet::All, u, force, Some(&mut magnitude));
+        nodes.add_to_owners(force, dim);
         nodes.add_to_owners(&mut magnitude, 1);
         // Loads count too: they may leave the bulk without any force of its own.
         let mut load = self.load.clone();
@@ -245,13 +250,11 @@ impl<'a> Problem<'a> {
         };
         self.all.secondary.iter().map(unpack).collect()
     }
-}
 
-impl NonlinearSystem for Problem<'_> {
-    fn residual(&mut self, x: &[f64], f: &mut [f64]) -> Result<()> {
-        fault::strike(self.comm, "residual")?;
+    /// The residual at `x`, and the scales of the state if they are wanted. Collective.
+    fn evaluate(&mut self, x: &[f64], f: &mut [f64], with_scales: bool) {
         let _phase = self.timers.enter(Phase::Assembly);
-        self.evaluate_bulk(x);
+        self.evaluate_bulk(x, with_scales);
         let (all, dim) = (&self.all, self.all.dim);
         // In equilibrium with the bulk at every iterate.
         self.interfaces.evaluate(all, &self.displacement, |index, c, row| {
@@ -294,6 +297,13 @@ impl NonlinearSystem for Problem<'_> {
                 f[own] = self.diagonal * known[own];
             }
         }
+    }
+}
+
+impl NonlinearSystem for Problem<'_> {
+    fn residual(&mut self, x: &[f64], f: &mut [f64]) -> Result<()> {
+        fault::strike(self.comm, "residual")?;
+        self.evaluate(x, f, true);
         Ok(())
     }
 
@@ -346,7 +356,8 @@ impl NonlinearSystem for Problem<'_> {
         let response = self.interfaces.response.clone();
         let scales = self.convergence.current();
         let mut f = vec![0.0; owned];
-        self.residual(&x, &mut f)?;
+        // The scale of the accepted states, once there is one, only makes the trial stricter.
+        self.evaluate(&x, &mut f, self.convergence.accepted_force() == 0.0);
         let mut sums = [f.iter().map(|f| f * f).sum::<f64>()];
         self.comm.sum(&mut sums);
         let worst = self.worst_force(&f);
@@ -367,6 +378,11 @@ impl NonlinearSystem for Problem<'_> {
 
     fn verdict(&mut self, iteration: usize, _x: &[f64], f: &[f64], norm: f64) -> Result<Verdict> {
         let worst = self.worst_force(f);
+        let free = self.free_components();
+        let forces = f.iter().zip(free).filter(|(_, free)| *free);
+        let mut square = [forces.map(|(f, _)| f * f).sum::<f64>()];
+        self.comm.sum(&mut square);
+        self.residual_norm = square[0].sqrt();
         let all = &self.all;
         self.convergence.judge(self.comm, all, &self.interfaces, iteration, norm, worst)
     }

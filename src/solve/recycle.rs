@@ -5,6 +5,8 @@
 //! the energy norm of the present tangent. The stiffness of the cells never changes: its products
 //! with the kept corrections are kept too, and only what the interfaces change is worked out.
 
+#![allow(clippy::needless_range_loop)] // index notation over several arrays at once
+
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::interfaces::InterfaceState;
@@ -75,7 +77,12 @@ impl Recycle {
         if n == 0 {
             return;
         }
-        let starts: Vec<Start> = self.kept.iter().map(|k| Start::new(all, interfaces, k)).collect();
+        let mut starts: Vec<Start> =
+            self.kept.iter().map(|k| Start::new(all, interfaces, k)).collect();
+        // Rarely: after an interface has closed.
+        if comm.any(starts.iter().any(|s| !s.change.is_empty())) {
+            starts.iter_mut().for_each(|s| s.move_cells(all));
+        }
         let mut products = Vec::with_capacity(n * (n + 3) / 2);
         for (j, b) in starts.iter().enumerate() {
             for a in &starts[..=j] {
@@ -106,20 +113,17 @@ struct Start<'a> {
     jump: Vec<[f64; 3]>,
     /// Unknowns that are not the displacement: places and values.
     unknown: Vec<(usize, f64)>,
-    /// What makes the displacement one without jumps where components are stuck: at all local
-    /// nodes, and the forces of that at owned ones.
-    change: Vec<f64>,
-    force: Vec<f64>,
-    /// Nodes whose cells the change moves.
-    near: Vec<usize>,
+    /// What makes the displacement one without jumps where components are stuck: places among the
+    /// owned components and values (m), and the forces of that (N).
+    change: Vec<(usize, f64)>,
+    force: Vec<(usize, f64)>,
 }
 
 impl<'a> Start<'a> {
-    /// Collective.
     fn new(all: &Discretization, interfaces: &InterfaceState, kept: &'a Correction) -> Self {
         let dim = all.dim;
         let (mut jump, mut unknown) = (Vec::new(), Vec::new());
-        let mut change = vec![0.0; kept.v.len()];
+        let mut change = Vec::new();
         for (rows, response) in all.secondary.iter().zip(&interfaces.response) {
             let mut jumps = [0.0; 3];
             for c in 0..dim {
@@ -129,7 +133,9 @@ impl<'a> Start<'a> {
                     row.others.iter().map(|(n, a)| a * kept.v[*n as usize * dim + c]).sum();
                 let w = row.own * kept.v[own] + others;
                 if response.state.stuck[c] {
-                    change[own] = -w / row.own;
+                    if w != 0.0 {
+                        change.push((own, -w / row.own));
+                    }
                     continue;
                 }
                 jumps[c] = w;
@@ -139,13 +145,19 @@ impl<'a> Start<'a> {
             }
             jump.push(jumps);
         }
-        all.nodes.update_ghosts(&mut change, dim);
+        Self { kept, jump, unknown, change, force: Vec::new() }
+    }
+
+    /// Finds the forces of the change. Collective.
+    fn move_cells(&mut self, all: &Discretization) {
+        let mut change = vec![0.0; self.kept.v.len()];
+        self.change.iter().for_each(|(i, value)| change[*i] = *value);
+        all.nodes.update_ghosts(&mut change, all.dim);
         let mut force = vec![0.0; change.len()];
         all.cells.add_forces(CellSet::Layer, &change, &mut force, None);
-        all.nodes.add_to_owners(&mut force, dim);
-        let near = (0..all.nodes.owned * dim).filter(|i| force[*i] != 0.0 || change[*i] != 0.0);
-        let near = near.collect();
-        Self { kept, jump, unknown, change, force, near }
+        all.nodes.add_to_owners(&mut force, all.dim);
+        let owned = force[..self.kept.force.len()].iter().copied().enumerate();
+        self.force = owned.filter(|(_, force)| *force != 0.0).collect();
     }
 
     /// This rank's part of the energy product without that of the kept displacements in the cells.
@@ -156,11 +168,17 @@ impl<'a> Start<'a> {
         interfaces: &InterfaceState,
     ) -> f64 {
         let mut sum = 0.0;
-        for i in &self.near {
-            sum += self.change[*i] * other.kept.force[*i];
+        for (i, change) in &self.change {
+            sum += change * other.kept.force[*i];
         }
-        for i in &other.near {
-            sum += (self.kept.v[*i] + self.change[*i]) * other.force[*i];
+        for (i, force) in &other.force {
+            sum += self.kept.v[*i] * force;
+        }
+        // Both lists rise.
+        let mut forces = other.force.iter().peekable();
+        for (i, change) in &self.change {
+            while forces.next_if(|(j, _)| j < i).is_some() {}
+            sum += forces.peek().filter(|(j, _)| j == i).map_or(0.0, |(_, force)| change * force);
         }
         let pairs = self.jump.iter().zip(&other.jump);
         for ((rows, response), (a, b)) in all.secondary.iter().zip(&interfaces.response).zip(pairs)

@@ -33,7 +33,7 @@ impl SaddlePoint {
         let mut x = problem.comm.agree(x.write())?;
         let dim = problem.all.dim;
         let (u, multipliers) = x.split_at_mut(problem.all.nodes.owned * dim);
-        problem.evaluate_bulk(u);
+        problem.evaluate_bulk(u, true);
         for (rows, own) in problem.all.secondary.iter().zip(multipliers.chunks_exact_mut(dim)) {
             for (c, row) in rows.rows[..dim].iter().enumerate() {
                 let force = problem.bulk_force[rows.node as usize * dim + c];
@@ -56,7 +56,7 @@ impl NonlinearSystem for SaddleSystem<'_, '_> {
         let _phase = problem.timers.enter(Phase::Assembly);
         let (dim, scale) = (problem.all.dim, self.form.tangent.scale);
         let (u, multipliers) = x.split_at(problem.all.nodes.owned * dim);
-        problem.evaluate_bulk(u);
+        problem.evaluate_bulk(u, true);
         problem.interfaces.evaluate(&problem.all, &problem.displacement, |index, c, row| {
             multipliers[index * dim + c] * scale / row.weight
         });

@@ -5,6 +5,7 @@ use super::problem::Problem;
 use super::saddle::{SaddlePoint, SaddleSystem};
 use crate::case::Case;
 use crate::error::{Error, Result};
+use crate::law::Branch;
 use crate::petsc::{Snes, SolveReport, Vector};
 use crate::space::Prescribed;
 
@@ -22,6 +23,8 @@ pub struct Accepted {
     pub steps: usize,
     /// Energies at the instant.
     pub energy: Energy,
+    /// 2-norm of the out-of-balance forces at the instant (N).
+    pub residual_norm: f64,
 }
 
 /// Advances a problem in time.
@@ -96,6 +99,7 @@ impl<'a> Stepper<'a> {
             step = 0.5 * (target - self.time);
         }
         total.energy = self.energy;
+        total.residual_norm = self.problem.residual_norm;
         Ok(total)
     }
 
@@ -123,7 +127,8 @@ impl<'a> Stepper<'a> {
         self.problem.comm.agree(written)?;
         let mut report = self.solve()?;
         if self.snes.try_more_work_space(&report)? {
-            tracing::info!("  {}: MUMPS gets more work space", self.reason(&report));
+            let why = self.reason(&report);
+            tracing::info!("  {why}: MUMPS gets more work space");
             let (corrections, linear) = (report.iterations, report.linear_iterations);
             report = self.solve()?;
             report.iterations += corrections;
@@ -238,14 +243,43 @@ impl<'a> Stepper<'a> {
         )))
     }
 
-    /// Why a solve failed, in words.
+    /// Why a solve failed, in words. Collective.
     fn reason(&self, report: &SolveReport) -> String {
-        if let Some(words) = &self.problem.convergence.failure {
-            return words.clone();
+        let words = match (&self.problem.convergence.failure, &report.failing_linear) {
+            (Some(words), _) => words.clone(),
+            (None, Some(linear)) => format!("the linear solver failed: {}", linear.words),
+            (None, None) => report.reason.to_string(),
+        };
+        // LDL^T goes through an indefinite tangent without a word; its pivots tell.
+        let symmetric = self.snes.pc_type().is_ok_and(|kind| kind == "cholesky");
+        let negative = self.snes.mumps_infog(12).filter(|n| symmetric && *n > 0).unwrap_or(0);
+        let place = self.softening_place();
+        match (negative, place) {
+            (0, _) | (_, None) => words,
+            (negative, Some(place)) => format!(
+                "{words}; the last tangent is indefinite ({negative} negative pivots), {place} softens"
+            ),
         }
-        match &report.failing_linear {
-            Some(linear) => format!("the linear solver failed: {}", linear.words),
-            None => report.reason.to_string(),
+    }
+
+    /// Interface and place of the softening node with the lowest name, if any softens. Collective.
+    fn softening_place(&self) -> Option<String> {
+        let (all, interfaces) = (&self.problem.all, &self.problem.interfaces);
+        let softens = |branch| matches!(branch, Branch::Softening | Branch::SofteningClosed);
+        let pairs = all.secondary.iter().zip(&interfaces.response);
+        let mine = pairs
+            .filter(|(_, response)| softens(response.branch))
+            .map(|(rows, _)| (all.nodes.names[rows.node as usize], rows.interface as u64))
+            .min();
+        // The maximum of the complements is the minimum.
+        let lowest =
+            u64::MAX - self.problem.comm.max_u64(u64::MAX - mine.map_or(u64::MAX, |m| m.0));
+        if lowest == u64::MAX {
+            return None;
         }
+        let interface = mine.filter(|m| m.0 == lowest).map_or(0, |m| m.1);
+        let interface = self.problem.comm.max_u64(interface) as usize;
+        let at = self.problem.convergence.at(lowest);
+        Some(format!("interface {} {at}", self.case.interfaces[interface].name))
     }
 }

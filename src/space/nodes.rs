@@ -67,6 +67,11 @@ impl Nodes {
         })
     }
 
+    /// Ranks whose nodes this rank holds, or that hold its nodes.
+    pub fn neighbours(&self) -> usize {
+        self.forward.ranks().len()
+    }
+
     /// Local nodes, owned and ghosts.
     pub fn len(&self) -> usize {
         self.names.len()
