@@ -190,7 +190,7 @@ impl Snes {
         };
         // SAFETY: as above; a callback without a context does nothing but fail.
         let uninstalled = unsafe { install::<S>(self.raw, &self.residual, ptr::null_mut()) };
-        let Context { error, stopped, .. } = context;
+        let Context { error, stopped, negative_pivots, .. } = context;
         if let Some(error) = error {
             // PETSc's own account of it says only that a callback failed.
             forget();
@@ -199,10 +199,10 @@ impl Snes {
         installed?;
         check(code, "SNESSolve")?;
         uninstalled?;
-        self.report(stopped)
+        self.report(stopped, negative_pivots)
     }
 
-    fn report(&mut self, stopped: bool) -> Result<SolveReport> {
+    fn report(&mut self, stopped: bool, negative_pivots: usize) -> Result<SolveReport> {
         let (mut code, mut iterations, mut linear) = (0, 0, 0);
         // SAFETY: a valid solver.
         let status = unsafe { ffi::SNESGetConvergedReason(self.raw, &mut code) };
@@ -222,6 +222,7 @@ impl Snes {
             iterations: usize::try_from(iterations).unwrap_or(0),
             linear_iterations: usize::try_from(linear).unwrap_or(0),
             failing_linear,
+            negative_pivots,
         })
     }
 

@@ -4,6 +4,7 @@ use super::interfaces::InterfaceState;
 use crate::assembly::Discretization;
 use crate::comm::Comm;
 use crate::error::Result;
+use crate::law::Branch;
 use crate::mesh::Column;
 use crate::partition::mix;
 use crate::petsc::Verdict;
@@ -67,6 +68,8 @@ pub struct Convergence {
     signatures: Vec<u64>,
     /// For each state of the running solve and each interface, whether a node of this rank holds.
     holds: Vec<f64>,
+    /// Lowest node of this rank that softened in a state of the running solve, and its interface.
+    pub softening: Option<(u64, u64)>,
     /// Why the last solve failed, in words; the same on all ranks.
     pub failure: Option<String>,
 }
@@ -88,6 +91,7 @@ impl Convergence {
             current: [0.0; 2],
             signatures: Vec::new(),
             holds: Vec::new(),
+            softening: None,
             failure: None,
         }
     }
@@ -117,6 +121,7 @@ impl Convergence {
     pub fn start(&mut self) {
         self.signatures.clear();
         self.holds.clear();
+        self.softening = None;
         self.failure = None;
     }
 
@@ -197,6 +202,10 @@ impl Convergence {
         for (rows, response) in all.secondary.iter().zip(&interfaces.response) {
             let name = all.nodes.names[rows.node as usize];
             signature = signature.wrapping_add(mix(mix(name) ^ response.branch as u64));
+            if matches!(response.branch, Branch::Softening | Branch::SofteningClosed) {
+                let place = (name, rows.interface as u64);
+                self.softening = Some(self.softening.map_or(place, |first| first.min(place)));
+            }
             if !rows.has_multiplier() || !response.branch.gives_way() {
                 holds[rows.interface] = 1.0;
             }

@@ -5,7 +5,6 @@ use super::problem::Problem;
 use super::saddle::{SaddlePoint, SaddleSystem};
 use crate::case::Case;
 use crate::error::{Error, Result};
-use crate::law::Branch;
 use crate::petsc::{Snes, SolveReport, Vector};
 use crate::space::Prescribed;
 
@@ -250,27 +249,19 @@ impl<'a> Stepper<'a> {
             (None, Some(linear)) => format!("the linear solver failed: {}", linear.words),
             (None, None) => report.reason.to_string(),
         };
-        // LDL^T goes through an indefinite tangent without a word; its pivots tell.
-        let symmetric = self.snes.pc_type().is_ok_and(|kind| kind == "cholesky");
-        let negative = self.snes.mumps_infog(12).filter(|n| symmetric && *n > 0).unwrap_or(0);
+        // L D L^T goes through an indefinite tangent without a word; its pivots tell.
         let place = self.softening_place();
-        match (negative, place) {
-            (0, _) | (_, None) => words,
-            (negative, Some(place)) => format!(
-                "{words}; the last tangent is indefinite ({negative} negative pivots), {place} softens"
-            ),
+        if report.negative_pivots == 0 {
+            return words;
         }
+        let negative = report.negative_pivots;
+        let place = place.map_or_else(String::new, |place| format!("; {place} softened"));
+        format!("{words}; the tangent was indefinite ({negative} negative pivots){place}")
     }
 
-    /// Interface and place of the softening node with the lowest name, if any softens. Collective.
+    /// Interface and place of the lowest node that softened in the last solve. Collective.
     fn softening_place(&self) -> Option<String> {
-        let (all, interfaces) = (&self.problem.all, &self.problem.interfaces);
-        let softens = |branch| matches!(branch, Branch::Softening | Branch::SofteningClosed);
-        let pairs = all.secondary.iter().zip(&interfaces.response);
-        let mine = pairs
-            .filter(|(_, response)| softens(response.branch))
-            .map(|(rows, _)| (all.nodes.names[rows.node as usize], rows.interface as u64))
-            .min();
+        let mine = self.problem.convergence.softening;
         // The maximum of the complements is the minimum.
         let lowest =
             u64::MAX - self.problem.comm.max_u64(u64::MAX - mine.map_or(u64::MAX, |m| m.0));

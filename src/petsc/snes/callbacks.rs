@@ -41,6 +41,8 @@ pub(super) struct Context<'a, S> {
     user: UserSet,
     /// Number and residual norm of the state that was judged last.
     judged: (usize, f64),
+    /// Most negative pivots that MUMPS has met in a factorisation of the running solve.
+    pub(super) negative_pivots: usize,
     /// Norm of the linear residual at which the next trial of the state is due.
     next_trial: f64,
     /// The error of the callback that failed.
@@ -52,8 +54,9 @@ pub(super) struct Context<'a, S> {
 impl<'a, S> Context<'a, S> {
     pub(super) fn new(system: &'a mut S, matrix: &'a mut Matrix, ksp: Ksp, user: UserSet) -> Self {
         let judged = (0, 0.0);
-        let next_trial = 0.0;
-        Context { system, matrix, ksp, user, judged, next_trial, error: None, stopped: false }
+        let (next_trial, negative_pivots) = (0.0, 0);
+        let (error, stopped) = (None, false);
+        Context { system, matrix, ksp, user, judged, negative_pivots, next_trial, error, stopped }
     }
 }
 
@@ -231,6 +234,12 @@ pub(super) unsafe extern "C" fn direction<S: NonlinearSystem>(
     let work = |context: &mut Context<'_, S>| {
         // SAFETY: PETSc lends two different valid vectors for the length of the call.
         let (x, mut y) = (unsafe { ReadView::new(x) }?, unsafe { WriteView::new(correction) }?);
+        // INFOG(12) of L D L^T: pivots below zero.
+        if context.ksp.pc_type_name()? == "cholesky" {
+            let negative = context.ksp.mumps_infog(12)?.unwrap_or(0);
+            let negative = usize::try_from(negative).unwrap_or(0);
+            context.negative_pivots = context.negative_pivots.max(negative);
+        }
         context.system.direction(&x, &mut y)?;
         // SAFETY: a valid place by the contract.
         unsafe { *changed = ffi::PETSC_TRUE };
