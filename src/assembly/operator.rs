@@ -225,15 +225,18 @@ impl TangentOperator {
 impl LinearOperator for TangentOperator {
     fn multiply(&self, x: &[f64], y: &mut [f64]) {
         let (all, owned) = (&self.all, y.len());
-        let work = &mut *self.work.borrow_mut();
-        let [u, force] = work;
+        let [u, local] = &mut *self.work.borrow_mut();
         u[..owned].copy_from_slice(x);
         self.expand(u);
+        // Without ghosts the forces come together where they are wanted.
+        let force: &mut [f64] = if local.len() == owned { &mut *y } else { &mut *local };
         force.fill(0.0);
         all.cells.add_forces(CellSet::All, u, force, None);
         self.add_law(u, force);
         self.fold(force, None);
-        y.copy_from_slice(&force[..owned]);
+        if local.len() > owned {
+            y.copy_from_slice(&local[..owned]);
+        }
         self.for_identity_components(|own| y[own] = self.diagonal * x[own]);
     }
 
