@@ -66,8 +66,14 @@ pub fn print_once(answer: &Result<String>) {
     match answer {
         Ok(text) => print_exit(&Exit { text: text.clone(), status: 0, to_stdout: true }),
         Err(error) if speaks() => complain(error),
-        Err(_) => {}
+        Err(_) => wait_for_the_speaker(),
     }
+}
+
+/// Launchers end the other ranks when one fails, and one that has not spoken yet never would: the
+/// silent ones leave it the first word. It ends them with its own failure, long before the time is up.
+fn wait_for_the_speaker() {
+    std::thread::sleep(std::time::Duration::from_secs(5));
 }
 
 /// Prints help, version, or what is wrong with the command line, once per launch.
@@ -79,6 +85,8 @@ pub fn print_exit(exit: &Exit) {
             true => std::io::stdout().write_all(text.as_bytes()),
             false => std::io::stderr().write_all(text.as_bytes()),
         });
+    } else if exit.status != 0 {
+        wait_for_the_speaker();
     }
 }
 
