@@ -35,7 +35,9 @@ impl Runtime {
     /// `System` when MPI or PETSc does not start, `Input` when `options` are no options.
     pub fn start(options: &[String]) -> Result<Self> {
         choose_file_writer();
-        let universe = mpi::initialize()
+        // A second thread writes files and makes no calls of MPI.
+        let universe = mpi::initialize_with_threading(mpi::Threading::Funneled)
+            .map(|(universe, _)| universe)
             .ok_or_else(|| Error::System("MPI has been started before in this process".into()))?;
         abort_on_panic();
         let comm = Comm::world(universe);

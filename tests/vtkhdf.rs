@@ -12,7 +12,9 @@ use std::time::{Duration, Instant};
 
 use column_hpc::comm::Comm;
 use column_hpc::output::directory::OutputDirectory;
-use column_hpc::output::vtkhdf::{Array, Grid, HEXAHEDRON, LINE, QUADRILATERAL, Series, Values};
+use column_hpc::output::publisher::Publisher;
+use column_hpc::output::series::{Fixed, Series};
+use column_hpc::output::vtkhdf::{Array, Data, Grid, HEXAHEDRON, LINE, QUADRILATERAL, Values};
 use column_hpc::output::vtkhdf::{rows_of, write_grid};
 
 const LAYERS: usize = 6;
@@ -141,15 +143,21 @@ fn bulk_reads_back(comm: &Comm, place: &Path) {
     let stress: Vec<f64> = (0..6 * cells).map(|i| (6 * first + i) as f64 / 13.0).collect();
     let material: Vec<i32> = (0..cells).map(|c| ((first + c) % 5) as i32).collect();
     let array = |name, components, values| Array { name, components, values };
-    let point_data = [
-        array("displacement", 3, Values::F64(&u)),
-        array("global_node_id", 1, Values::I64(&global)),
-    ];
-    let cell_data =
-        [array("stress", 6, Values::F64(&stress)), array("material", 1, Values::I32(&material))];
+    let known = Data {
+        points: &[array("global_node_id", 1, Values::I64(&global))],
+        cells: &[array("material", 1, Values::I32(&material))],
+    };
+    let data = Data {
+        points: &[array("displacement", 3, Values::F64(&u))],
+        cells: &[array("stress", 6, Values::F64(&stress))],
+    };
+    let fixed = Fixed { grid: &grid, data: known };
+    let mut publisher = Publisher::default();
     let mut series = Series::new(place.to_path_buf(), "bulk");
-    series.write(comm, 3, 3.0, &grid, &point_data, &cell_data).expect("a writable directory");
-    series.write(comm, 4, 3.5, &grid, &point_data, &[]).expect("a writable directory");
+    series.write(comm, &mut publisher, (3, 3.0), fixed, data).expect("a writable directory");
+    let data = Data { cells: &[], ..data };
+    series.write(comm, &mut publisher, (4, 3.5), fixed, data).expect("a writable directory");
+    publisher.finish().expect("a writable directory");
 
     if comm.rank() == 0 {
         let ids = 0..(LAYERS + 1) * PER_LAYER;
@@ -205,7 +213,10 @@ fn surface_and_line_on_one_rank(comm: &Comm, place: &Path) {
         values: Values::F64(if here { &damage } else { &[] }),
     }];
     let mut series = Series::new(place.to_path_buf(), "joint");
-    series.write(comm, 3, 3.0, &grid, &data, &[]).expect("a writable directory");
+    let fixed = Fixed { grid: &grid, data: Data::default() };
+    let data = Data { points: &data, cells: &[] };
+    let publisher = &mut Publisher::default();
+    series.write(comm, publisher, (3, 3.0), fixed, data).expect("a writable directory");
 
     let line = Grid {
         points: if here { &all[..3] } else { &[] },
@@ -213,11 +224,14 @@ fn surface_and_line_on_one_rank(comm: &Comm, place: &Path) {
         nodes_per_cell: 2,
         cell_type: LINE,
     };
-    write_grid(comm, &place.join("line.vtkhdf"), &line, &[], &[]).expect("a writable directory");
+    let none = Data::default();
+    write_grid(comm, publisher, &place.join("line.vtkhdf"), &line, none)
+        .expect("a writable directory");
     // Nothing anywhere: an interface without cells in a part of the model still has its file.
     let nothing = Grid { points: &[], connectivity: &[], ..line };
-    write_grid(comm, &place.join("nothing.vtkhdf"), &nothing, &[], &[])
+    write_grid(comm, publisher, &place.join("nothing.vtkhdf"), &nothing, none)
         .expect("a writable directory");
+    publisher.finish().expect("a writable directory");
 
     if comm.rank() == 0 {
         let file = Read::open(&place.join("joint_000003.vtkhdf"));
@@ -238,7 +252,8 @@ fn surface_and_line_on_one_rank(comm: &Comm, place: &Path) {
 fn errors_are_the_same_on_all_ranks(comm: &Comm, place: &Path) {
     let grid =
         Grid { points: &[[0.0; 3]], connectivity: &[], nodes_per_cell: 8, cell_type: HEXAHEDRON };
-    let error = write_grid(comm, &place.join("absent/bulk.vtkhdf"), &grid, &[], &[])
+    let (publisher, none) = (&mut Publisher::default(), Data::default());
+    let error = write_grid(comm, publisher, &place.join("absent/bulk.vtkhdf"), &grid, none)
         .expect_err("there is no such directory");
     assert_eq!(error.exit_status(), 4);
     let text = error.to_string();
@@ -249,7 +264,8 @@ fn errors_are_the_same_on_all_ranks(comm: &Comm, place: &Path) {
     let own: &[i64] = if last { &[0, i64::from(comm.size())] } else { &[] };
     let grid = Grid { connectivity: own, nodes_per_cell: 2, cell_type: LINE, ..grid };
     let path = place.join("wrong.vtkhdf");
-    let error = write_grid(comm, &path, &grid, &[], &[]).expect_err("a row that nobody writes");
+    let error =
+        write_grid(comm, publisher, &path, &grid, none).expect_err("a row that nobody writes");
     assert_eq!(error.exit_status(), 101);
     assert!(error.to_string().contains(&format!("row {} of", comm.size())), "{error}");
     assert!(!path.exists());

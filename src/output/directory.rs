@@ -164,11 +164,11 @@ fn our_files(path: &Path) -> Result<Vec<PathBuf>> {
     Ok(found)
 }
 
-/// `NAME_000003.vtkhdf` or `NAME.vtkhdf.series`.
+/// `NAME_000003.vtkhdf`, `NAME_mesh.vtkhdf` or `NAME.vtkhdf.series`.
 fn is_field_file(name: &str) -> bool {
     let numbered = name.strip_suffix(".vtkhdf").and_then(|stem| stem.rsplit_once('_'));
-    let numbered =
-        numbered.is_some_and(|(_, n)| n.len() >= 6 && n.bytes().all(|b| b.is_ascii_digit()));
+    let numbered = numbered
+        .is_some_and(|(_, n)| n == "mesh" || n.len() >= 6 && n.bytes().all(|b| b.is_ascii_digit()));
     numbered || name.ends_with(".vtkhdf.series")
 }
 
@@ -204,7 +204,12 @@ mod tests {
     }
 
     fn fill(path: &Path) {
-        for name in [HISTORY, "fields/bulk_000001.vtkhdf", "fields/bulk.vtkhdf.series"] {
+        for name in [
+            HISTORY,
+            "fields/bulk_000001.vtkhdf",
+            "fields/bulk_mesh.vtkhdf",
+            "fields/bulk.vtkhdf.series",
+        ] {
             fs::write(path.join(name), "x").unwrap();
         }
     }

@@ -7,4 +7,6 @@ pub mod atomic;
 pub mod directory;
 pub mod hdf5;
 pub mod history;
+pub mod publisher;
+pub mod series;
 pub mod vtkhdf;

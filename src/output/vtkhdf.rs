@@ -1,4 +1,4 @@
-//! Field files: VTKHDF 1.0 static unstructured grids, one file per written instant and all ranks.
+//! Field files: VTKHDF 1.0 static unstructured grids, one file for all ranks.
 //!
 //! A file holds one part in global numbering: the rows of rank r follow those of the ranks below
 //! it, a node appears once, and connectivity counts rows of the whole file. Readers then give a
@@ -7,15 +7,15 @@
 //! Format: VTK file formats, "VTKHDF file format", version 1.0.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::comm::Comm;
 use ::hdf5::types::FixedAscii;
 use ::hdf5::{Group, H5Type};
-use serde::Serialize;
 
 use super::atomic;
 use super::hdf5::{CollectiveFile, Rows};
+use super::publisher::Publisher;
 use crate::error::{Error, Result};
 use crate::fault;
 
@@ -37,6 +37,28 @@ pub struct Grid<'a> {
     pub nodes_per_cell: usize,
     /// VTK's number of the kind of cell, the same on all ranks.
     pub cell_type: u8,
+}
+
+/// What the datasets of a grid are called, counts first.
+const GRID: [&str; 7] = [
+    "NumberOfPoints",
+    "NumberOfCells",
+    "NumberOfConnectivityIds",
+    "Points",
+    "Connectivity",
+    "Offsets",
+    "Types",
+];
+/// Group of the values at points.
+const POINT_DATA: &str = "PointData";
+
+/// The data of a file.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Data<'a> {
+    /// Values at points.
+    pub points: &'a [Array<'a>],
+    /// Values at cells.
+    pub cells: &'a [Array<'a>],
 }
 
 /// Values at this rank's points or cells, shape (points or cells, `components`).
@@ -91,7 +113,8 @@ pub fn rows_of(comm: &Comm, own: usize) -> Rows {
     Rows { first: comm.exscan_u64(own), total: comm.sum_u64(own) }
 }
 
-/// Writes one grid with its data; the file is complete or absent under its name.
+/// Writes one grid with its data; the file is complete or absent under its name, which `publisher`
+/// gives it.
 ///
 /// # Arguments
 /// * `point_data`, `cell_data` the same names, kinds and components in the same order on all ranks
@@ -104,40 +127,53 @@ pub fn rows_of(comm: &Comm, own: usize) -> Rows {
 /// Collective; a rank may have no points and no cells.
 pub fn write_grid(
     comm: &Comm,
+    publisher: &mut Publisher,
     path: &Path,
     grid: &Grid,
-    point_data: &[Array],
-    cell_data: &[Array],
+    data: Data,
 ) -> Result<()> {
-    let cells = grid.connectivity.len() / grid.nodes_per_cell;
-    let points = rows_of(comm, grid.points.len());
-    let cells = rows_of(comm, cells);
-    comm.agree(check(grid, points.total, point_data, cell_data))?;
-
-    let root = comm.is_root();
-    let process = comm.max_u64(if root { u64::from(std::process::id()) } else { 0 }) as u32;
-    let temporary = atomic::temporary(path, process);
-    let writer = GridWriter { comm, path, points, cells };
-    let size = writer.size(grid, point_data, cell_data);
-    // The library does not pass on why a file cannot be created; the operating system does.
-    let create = || fs::File::create(&temporary).and_then(|_| atomic::reserve(&temporary, size));
-    let created = if root { writer.explain(create(), size) } else { Ok(()) };
-    if root && created.is_err() {
-        atomic::discard(&temporary);
-    }
-    comm.agree(created)?;
-
-    let mut outcome = writer.write(&temporary, size, grid, point_data, cell_data);
-    if root {
-        outcome = outcome.and_then(|()| atomic::publish(&temporary, path));
-        if outcome.is_err() {
-            atomic::discard(&temporary);
-        }
-    }
-    comm.agree(outcome)
+    let writer = GridWriter::new(comm, path, grid);
+    comm.agree(check(grid, writer.points.total, data))?;
+    let size = writer.size_of(data) + writer.size_of_grid(grid);
+    writer.write(publisher, size, |file, group| {
+        writer.grid(file, group, grid)?;
+        writer.data(file, group, data, |_, _| Ok(()))
+    })
 }
 
-fn check(grid: &Grid, points: u64, point_data: &[Array], cell_data: &[Array]) -> Result<()> {
+/// Writes data on a grid that is in another file of the same directory, named `mesh`, with what does
+/// not change: `fixed` is the data there. The new file links to all of it.
+///
+/// # Errors
+/// As [`write_grid`].
+///
+/// # Parallel
+/// Collective; a rank may have no points and no cells.
+pub fn write_data(
+    comm: &Comm,
+    publisher: &mut Publisher,
+    path: &Path,
+    (mesh, grid, fixed): (&str, &Grid, Data),
+    data: Data,
+) -> Result<()> {
+    let writer = GridWriter::new(comm, path, grid);
+    comm.agree(check(grid, writer.points.total, data))?;
+    let link = |group: &Group, place: &str, name: &str| {
+        writer.agreed(group.link_external(mesh, &format!("{place}/{name}"), name))
+    };
+    writer.write(publisher, writer.size_of(data), |file, group| {
+        for name in GRID {
+            link(group, "/VTKHDF", name)?;
+        }
+        writer.data(file, group, data, |group, name| {
+            let arrays = if name == POINT_DATA { fixed.points } else { fixed.cells };
+            let place = format!("/VTKHDF/{name}");
+            arrays.iter().try_for_each(|array| link(group, &place, array.name))
+        })
+    })
+}
+
+fn check(grid: &Grid, points: u64, data: Data) -> Result<()> {
     let bug = |text: String| Err(Error::Bug(format!("field output: {text}")));
     let rows = grid.connectivity.len() / grid.nodes_per_cell;
     if rows * grid.nodes_per_cell != grid.connectivity.len() {
@@ -155,7 +191,7 @@ fn check(grid: &Grid, points: u64, point_data: &[Array], cell_data: &[Array]) ->
             arrays.iter().find(|a| a.components == 0 || a.values.len() != rows * a.components);
         wrong.map(|a| (a.name.to_string(), a.values.len(), a.components, rows))
     };
-    match of(point_data, grid.points.len()).or_else(|| of(cell_data, rows)) {
+    match of(data.points, grid.points.len()).or_else(|| of(data.cells, rows)) {
         Some((name, values, components, rows)) => {
             bug(format!("{name} has {values} values for {rows} rows of {components} components"))
         }
@@ -170,15 +206,24 @@ struct GridWriter<'a> {
     cells: Rows,
 }
 
-impl GridWriter<'_> {
-    /// Bytes of the file: its rows, and ample room for names and shapes.
-    fn size(&self, grid: &Grid, point_data: &[Array], cell_data: &[Array]) -> u64 {
-        let nodes = grid.nodes_per_cell as u64;
+impl<'a> GridWriter<'a> {
+    /// Collective.
+    fn new(comm: &'a Comm, path: &'a Path, grid: &Grid) -> Self {
+        let cells = grid.connectivity.len() / grid.nodes_per_cell;
+        let (points, cells) = (rows_of(comm, grid.points.len()), rows_of(comm, cells));
+        Self { comm, path, points, cells }
+    }
+
+    /// Bytes of data, with ample room for names and shapes.
+    fn size_of(&self, data: Data) -> u64 {
         let of = |arrays: &[Array]| -> u64 { arrays.iter().map(Array::row_bytes).sum() };
-        let headers = 16384 + 4096 * (point_data.len() + cell_data.len()) as u64;
-        self.points.total * (24 + of(point_data))
-            + self.cells.total * (8 * nodes + 9 + of(cell_data))
-            + headers
+        let headers = 16384 + 4096 * (data.points.len() + data.cells.len()) as u64;
+        self.points.total * of(data.points) + self.cells.total * of(data.cells) + headers
+    }
+
+    /// Bytes of the grid.
+    fn size_of_grid(&self, grid: &Grid) -> u64 {
+        self.points.total * 24 + self.cells.total * (8 * grid.nodes_per_cell as u64 + 9)
     }
 
     fn explain(&self, outcome: std::io::Result<()>, size: u64) -> Result<()> {
@@ -187,54 +232,70 @@ impl GridWriter<'_> {
         })
     }
 
+    /// Writes the file under a temporary name, `fill` what is in its group, and has it published.
     fn write(
+        &self,
+        publisher: &mut Publisher,
+        size: u64,
+        fill: impl FnOnce(&CollectiveFile, &Group) -> Result<()>,
+    ) -> Result<()> {
+        let (comm, root) = (self.comm, self.comm.is_root());
+        let process = comm.max_u64(if root { u64::from(std::process::id()) } else { 0 }) as u32;
+        let temporary = atomic::temporary(self.path, process);
+        // The library does not pass on why a file cannot be created; the operating system does.
+        let create =
+            || fs::File::create(&temporary).and_then(|_| atomic::reserve(&temporary, size));
+        let created = if root { self.explain(create(), size) } else { Ok(()) };
+        if root && created.is_err() {
+            atomic::discard(&temporary);
+        }
+        comm.agree(created)?;
+
+        let mut outcome = self.write_temporary(&temporary, size, fill);
+        if root {
+            match outcome {
+                Ok(()) => outcome = publisher.publish(&temporary, self.path),
+                Err(_) => atomic::discard(&temporary),
+            }
+        }
+        comm.agree(outcome)
+    }
+
+    fn write_temporary(
         &self,
         temporary: &Path,
         size: u64,
-        grid: &Grid,
-        point_data: &[Array],
-        cell_data: &[Array],
+        fill: impl FnOnce(&CollectiveFile, &Group) -> Result<()>,
     ) -> Result<()> {
         let file = self.agreed(CollectiveFile::create(self.comm, temporary))?;
         // Creating the file gave back the room that was made for it.
         let root = self.comm.is_root();
         let room = if root { atomic::reserve(temporary, size) } else { Ok(()) };
-        let written = self
-            .comm
-            .agree(self.explain(room, size))
-            .and_then(|()| self.write_groups(&file, grid, point_data, cell_data));
+        let written = self.comm.agree(self.explain(room, size)).and_then(|()| {
+            let group = self.agreed(file.create_group("VTKHDF"))?;
+            self.agreed(write_kind(&group))?;
+            fault::strike(self.comm, "output")?;
+            fill(&file, &group)
+        });
         // Closing is collective and every rank is here, whether the writes went well or not.
         let closed = self.agreed(file.close());
         written.and(closed)
     }
 
-    fn write_groups(
-        &self,
-        file: &CollectiveFile,
-        grid: &Grid,
-        point_data: &[Array],
-        cell_data: &[Array],
-    ) -> Result<()> {
+    fn grid(&self, file: &CollectiveFile, group: &Group, grid: &Grid) -> Result<()> {
         let (points, cells) = (self.points, self.cells);
-        let group = self.agreed(file.create_group("VTKHDF"))?;
-        self.agreed(write_kind(&group))?;
-        fault::strike(self.comm, "output")?;
-
         let root = self.comm.is_root();
         let connectivity = Rows {
             first: cells.first * grid.nodes_per_cell as u64,
             total: cells.total * grid.nodes_per_cell as u64,
         };
-        for (name, total) in [
-            ("NumberOfPoints", points.total),
-            ("NumberOfCells", cells.total),
-            ("NumberOfConnectivityIds", connectivity.total),
-        ] {
+        let totals = [points.total, cells.total, connectivity.total];
+        for (name, total) in GRID.into_iter().zip(totals) {
             let own: &[i64] = if root { &[total as i64] } else { &[] };
-            self.rows(file, &group, name, Rows { first: 0, total: 1 }, 1, own)?;
+            self.rows(file, group, name, Rows { first: 0, total: 1 }, 1, own)?;
         }
-        self.rows(file, &group, "Points", points, 3, grid.points.as_flattened())?;
-        self.rows(file, &group, "Connectivity", connectivity, 1, grid.connectivity)?;
+        self.rows(file, group, "Points", points, 3, grid.points.as_flattened())?;
+        self.rows(file, group, "Connectivity", connectivity, 1, grid.connectivity)?;
 
         // Offsets has one entry more than there are cells: rank 0 writes the leading zero.
         let own = grid.connectivity.len() / grid.nodes_per_cell;
@@ -242,29 +303,30 @@ impl GridWriter<'_> {
             (1..=own as u64).map(|i| ((cells.first + i) * grid.nodes_per_cell as u64) as i64);
         let offsets: Vec<i64> = root.then_some(0).into_iter().chain(ends).collect();
         let first = if root { 0 } else { cells.first + 1 };
-        self.rows(file, &group, "Offsets", Rows { first, total: cells.total + 1 }, 1, &offsets)?;
-        self.rows(file, &group, "Types", cells, 1, &vec![grid.cell_type; own])?;
-
-        self.arrays(file, &group, "PointData", points, point_data)?;
-        self.arrays(file, &group, "CellData", cells, cell_data)
+        self.rows(file, group, "Offsets", Rows { first, total: cells.total + 1 }, 1, &offsets)?;
+        self.rows(file, group, "Types", cells, 1, &vec![grid.cell_type; own])
     }
 
-    fn arrays(
+    /// Writes data; `more` adds to the group of the given name.
+    fn data(
         &self,
         file: &CollectiveFile,
         parent: &Group,
-        name: &str,
-        rows: Rows,
-        arrays: &[Array],
+        data: Data,
+        more: impl Fn(&Group, &str) -> Result<()>,
     ) -> Result<()> {
-        let group = self.agreed(parent.create_group(name))?;
-        for array in arrays {
-            let components = array.components;
-            match array.values {
-                Values::F64(v) => self.rows(file, &group, array.name, rows, components, v)?,
-                Values::I64(v) => self.rows(file, &group, array.name, rows, components, v)?,
-                Values::I32(v) => self.rows(file, &group, array.name, rows, components, v)?,
+        let kinds = [(POINT_DATA, self.points, data.points), ("CellData", self.cells, data.cells)];
+        for (name, rows, arrays) in kinds {
+            let group = self.agreed(parent.create_group(name))?;
+            for array in arrays {
+                let (name, components) = (array.name, array.components);
+                match array.values {
+                    Values::F64(v) => self.rows(file, &group, name, rows, components, v)?,
+                    Values::I64(v) => self.rows(file, &group, name, rows, components, v)?,
+                    Values::I32(v) => self.rows(file, &group, name, rows, components, v)?,
+                }
             }
+            more(&group, name)?;
         }
         Ok(())
     }
@@ -294,66 +356,4 @@ fn write_kind(group: &Group) -> ::hdf5::Result<()> {
     group.new_attr::<FixedAscii<16>>().create("Type")?.write_scalar(&kind)?;
     group.new_attr_builder().with_data(&[1i64, 0]).create("Version")?;
     Ok(())
-}
-
-/// The files of one grid over time and the index that readers open.
-#[derive(Debug)]
-pub struct Series {
-    directory: PathBuf,
-    name: String,
-    files: Vec<Instant>,
-}
-
-#[derive(Debug, Clone, Serialize)]
-struct Instant {
-    name: String,
-    time: f64,
-}
-
-#[derive(Serialize)]
-struct Index<'a> {
-    #[serde(rename = "file-series-version")]
-    version: &'static str,
-    files: &'a [Instant],
-}
-
-impl Series {
-    /// A series without files; `name` is `bulk` or the name of an interface.
-    pub fn new(directory: PathBuf, name: &str) -> Self {
-        Self { directory, name: name.to_string(), files: Vec::new() }
-    }
-
-    /// Writes the grid at one instant, then the index with it.
-    ///
-    /// # Arguments
-    /// * `step` number in the file's name
-    /// * `time` in s
-    ///
-    /// # Errors
-    /// As [`write_grid`].
-    ///
-    /// # Parallel
-    /// Collective.
-    pub fn write(
-        &mut self,
-        comm: &Comm,
-        step: usize,
-        time: f64,
-        grid: &Grid,
-        point_data: &[Array],
-        cell_data: &[Array],
-    ) -> Result<()> {
-        let name = format!("{}_{step:06}.vtkhdf", self.name);
-        write_grid(comm, &self.directory.join(&name), grid, point_data, cell_data)?;
-        self.files.push(Instant { name, time });
-        comm.agree(if comm.is_root() { self.write_index() } else { Ok(()) })
-    }
-
-    fn write_index(&self) -> Result<()> {
-        let path = self.directory.join(format!("{}.vtkhdf.series", self.name));
-        let index = Index { version: "1.0", files: &self.files };
-        let text = serde_json::to_string_pretty(&index)
-            .map_err(|cause| Error::Bug(format!("index of {}: {cause}", self.name)))?;
-        atomic::write_text(&path, &(text + "\n"))
-    }
 }

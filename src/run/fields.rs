@@ -5,7 +5,9 @@ use crate::comm::Comm;
 use crate::error::Result;
 use crate::mesh::axes;
 use crate::output::directory::OutputDirectory;
-use crate::output::vtkhdf::{Array, Grid, HEXAHEDRON, LINE, QUADRILATERAL, Series, Values};
+use crate::output::publisher::Publisher;
+use crate::output::series::{Fixed, Series};
+use crate::output::vtkhdf::{Array, Data, Grid, HEXAHEDRON, LINE, QUADRILATERAL, Values};
 use crate::solve::{Model, Problem};
 
 /// Writes the fields of every wanted instant.
@@ -14,6 +16,8 @@ pub struct FieldWriter {
     mesh: Option<BulkMesh>,
     bulk: Series,
     interfaces: Vec<Series>,
+    /// Works on rank 0.
+    publisher: Publisher,
 }
 
 impl FieldWriter {
@@ -24,7 +28,16 @@ impl FieldWriter {
             mesh: None,
             bulk: series("bulk"),
             interfaces: case.interfaces.iter().map(|i| series(&i.name)).collect(),
+            publisher: Publisher::default(),
         }
+    }
+
+    /// Waits until every file has its name. Collective.
+    ///
+    /// # Errors
+    /// `System` when a file could not be completed.
+    pub fn finish(&mut self, comm: &Comm) -> Result<()> {
+        comm.agree(self.publisher.finish())
     }
 
     /// Writes the state that `model` has reached, as step `step` at `time`. Collective.
@@ -73,9 +86,12 @@ impl FieldWriter {
                 Array { name: "jump", components: 3, values: Values::F64(&jump) },
                 Array { name: "damage", components: 1, values: Values::F64(&damage) },
                 Array { name: "state", components: 1, values: Values::I32(&branch) },
-                Array { name: "global_node_id", components: 1, values: Values::I64(&names) },
             ];
-            series.write(comm, step, time, &grid, &data, &[])?;
+            let known =
+                [Array { name: "global_node_id", components: 1, values: Values::I64(&names) }];
+            let fixed = Fixed { grid: &grid, data: Data { points: &known, cells: &[] } };
+            let data = Data { points: &data, cells: &[] };
+            series.write(comm, &mut self.publisher, (step, time), fixed, data)?;
         }
         Ok(())
     }
@@ -111,17 +127,21 @@ impl FieldWriter {
             nodes_per_cell: model.mesh.nodes_per_cell(),
             cell_type: if dim == 2 { QUADRILATERAL } else { HEXAHEDRON },
         };
-        let point_data = [
-            Array { name: "displacement", components: 3, values: Values::F64(&displacement) },
-            Array { name: "global_node_id", components: 1, values: Values::I64(&mesh.nodes) },
-        ];
-        let cell_data = [
-            Array { name: "stress", components: 6, values: Values::F64(&stress) },
-            Array { name: "material", components: 1, values: Values::I32(&mesh.material) },
-            Array { name: "rank", components: 1, values: Values::I32(&mesh.rank) },
-            Array { name: "global_cell_id", components: 1, values: Values::I64(&mesh.cells) },
-        ];
-        self.bulk.write(comm, step, time, &grid, &point_data, &cell_data)
+        let array = |name, components, values| Array { name, components, values };
+        let known = Data {
+            points: &[array("global_node_id", 1, Values::I64(&mesh.nodes))],
+            cells: &[
+                array("material", 1, Values::I32(&mesh.material)),
+                array("rank", 1, Values::I32(&mesh.rank)),
+                array("global_cell_id", 1, Values::I64(&mesh.cells)),
+            ],
+        };
+        let data = Data {
+            points: &[array("displacement", 3, Values::F64(&displacement))],
+            cells: &[array("stress", 6, Values::F64(&stress))],
+        };
+        let fixed = Fixed { grid: &grid, data: known };
+        self.bulk.write(comm, &mut self.publisher, (step, time), fixed, data)
     }
 }
 

@@ -204,7 +204,8 @@ impl Session<'_> {
                 progress.pass(&line.unwrap_or_default());
             }
         }
-        Ok(())
+        let _phase = self.timers.enter(Phase::Output);
+        fields.finish(self.comm)
     }
 
     fn writes_fields(&self, time: f64) -> bool {

@@ -96,6 +96,11 @@ impl Convergence {
         }
     }
 
+    /// The column of the nodes it judges.
+    pub fn column(&self) -> &Column {
+        &self.column
+    }
+
     /// Takes note of the forces and displacements of a state. Local.
     pub fn see_forces(&mut self, magnitude: &[f64], displacement: &[f64]) {
         let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));

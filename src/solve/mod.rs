@@ -1,11 +1,13 @@
 //! The nonlinear solution: from one instant to the next.
 
+mod condensed;
 mod convergence;
 mod energy;
 mod interfaces;
 mod linear;
 mod problem;
 mod recycle;
+mod rigid;
 mod saddle;
 mod setup;
 mod stepping;

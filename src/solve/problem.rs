@@ -6,10 +6,12 @@
 
 use std::rc::Rc;
 
+use super::condensed;
 use super::convergence::{Convergence, Worst};
 use super::interfaces::InterfaceState;
 use super::linear::LinearTarget;
 use super::recycle::Recycle;
+use super::rigid::RigidMotions;
 use crate::assembly::{CellSet, Discretization, NodeState, Tangent};
 use crate::bulk::Loads;
 use crate::comm::Comm;
@@ -56,11 +58,14 @@ pub struct Problem<'a> {
     /// The same with the tractions of the interfaces (N): zero where nothing is prescribed, the
     /// reaction of the support elsewhere.
     pub balance: Vec<f64>,
+    /// Room for another state.
+    spare: [Vec<f64>; 3],
     /// States with which the tangent was assembled, for all local secondary nodes.
     assembled_state: Option<Vec<NodeState>>,
     /// States for which the preconditioner was set up.
     preconditioned: Option<Vec<NodeState>>,
     recycle: Recycle,
+    rigid: RigidMotions,
     /// 2-norm of the out-of-balance forces at the state that was judged last (N).
     pub residual_norm: f64,
 }
@@ -79,6 +84,7 @@ impl<'a> Problem<'a> {
         linear: LinearTarget,
     ) -> Self {
         let size = all.nodes.len() * all.dim;
+        let rigid = RigidMotions::new(convergence.column());
         Self {
             comm,
             timers,
@@ -92,9 +98,11 @@ impl<'a> Problem<'a> {
             load: vec![0.0; size],
             bulk_force: vec![0.0; size],
             balance: vec![0.0; size],
+            spare: Default::default(),
             assembled_state: None,
             preconditioned: None,
             recycle: Recycle::default(),
+            rigid,
             residual_norm: 0.0,
             all,
         }
@@ -146,69 +154,6 @@ impl<'a> Problem<'a> {
         self.convergence.see_forces(&magnitude[..nodes.owned], &self.displacement[..x.len()]);
     }
 
-    /// The force of jumps that are known before the linear solve: K v, where v moves the secondary
-    /// nodes so that stuck components take the jump their law asks for. Returns v and K v.
-    fn known_jumps(&self) -> (Vec<f64>, Vec<f64>) {
-        let (all, dim) = (&self.all, self.all.dim);
-        let mut v = vec![0.0; self.displacement.len()];
-        for (rows, response) in all.secondary.iter().zip(&self.interfaces.response) {
-            for c in 0..dim {
-                if let Some(row) = &rows.rows[c]
-                    && response.state.stuck[c]
-                {
-                    v[rows.node as usize * dim + c] = response.defect[c] / row.own;
-                }
-            }
-        }
-        all.nodes.update_ghosts(&mut v, dim);
-        let mut force = vec![0.0; v.len()];
-        all.cells.add_forces(CellSet::Layer, &v, &mut force, None);
-        all.nodes.add_to_owners(&mut force, dim);
-        (v, force)
-    }
-
-    /// Gives the primary side the forces of the secondary components that follow it though they are
-    /// not stuck. Collective.
-    fn fold(&self, f: &mut [f64]) {
-        let (all, dim) = (&self.all, self.all.dim);
-        let jumps = self.interfaces.response.iter().any(|r| r.state.jump.contains(&true));
-        if !self.comm.any(jumps) {
-            return;
-        }
-        let mut carried = vec![0.0; self.displacement.len()];
-        for (rows, response) in all.secondary.iter().zip(&self.interfaces.response) {
-            for c in (0..dim).filter(|c| response.state.jump[*c]) {
-                let Some(row) = &rows.rows[c] else { continue };
-                let force = -f[rows.node as usize * dim + c] / row.own;
-                for (node, a) in &row.others {
-                    carried[*node as usize * dim + c] += a * force;
-                }
-            }
-        }
-        all.nodes.add_to_owners(&mut carried, dim);
-        f.iter_mut().zip(carried).for_each(|(f, carried)| *f += carried);
-    }
-
-    /// Makes a correction of the unknowns one of the displacements: components that follow the
-    /// primary side do. Collective.
-    fn follow(&self, correction: &mut [f64]) {
-        let (all, dim) = (&self.all, self.all.dim);
-        let mut y = vec![0.0; self.displacement.len()];
-        y[..correction.len()].copy_from_slice(correction);
-        all.nodes.update_ghosts(&mut y, dim);
-        for (rows, response) in all.secondary.iter().zip(&self.interfaces.response) {
-            for c in 0..dim {
-                if let Some(row) = &rows.rows[c]
-                    && (response.state.stuck[c] || response.state.jump[c])
-                {
-                    let followed: f64 =
-                        row.others.iter().map(|(n, a)| a * y[*n as usize * dim + c]).sum();
-                    correction[rows.node as usize * dim + c] -= followed / row.own;
-                }
-            }
-        }
-    }
-
     /// The largest out-of-balance nodal force in a residual. Local.
     fn worst_force(&self, f: &[f64]) -> Worst {
         let (all, dim) = (&self.all, self.all.dim);
@@ -251,6 +196,15 @@ impl<'a> Problem<'a> {
         self.all.secondary.iter().map(unpack).collect()
     }
 
+    /// Puts the state aside, or gets it back. Local.
+    fn exchange_with_spare(&mut self) {
+        let state = [&mut self.displacement, &mut self.bulk_force, &mut self.balance];
+        for (state, spare) in state.into_iter().zip(&mut self.spare) {
+            spare.resize(state.len(), 0.0);
+            std::mem::swap(state, spare);
+        }
+    }
+
     /// The residual at `x`, and the scales of the state if they are wanted. Collective.
     fn evaluate(&mut self, x: &[f64], f: &mut [f64], with_scales: bool) {
         let _phase = self.timers.enter(Phase::Assembly);
@@ -265,7 +219,7 @@ impl<'a> Problem<'a> {
             let state = self.interfaces.response.iter_mut().map(|r| &mut r.state);
             hierarchy.finest().choose_unknowns(state);
         }
-        let (known, known_force) = self.known_jumps();
+        let (known, known_force) = condensed::known_jumps(&self.all, &self.interfaces);
         let (all, response) = (&self.all, &self.interfaces.response);
         self.balance.fill(0.0);
         let traction = |index: usize, c: usize| {
@@ -283,7 +237,7 @@ impl<'a> Problem<'a> {
             self.balance[i] += self.bulk_force[i];
             *value = self.balance[i] - known_force[i];
         }
-        self.fold(f);
+        condensed::fold(self.comm, &self.all, &self.interfaces, f);
         let (all, dim) = (&self.all, self.all.dim);
         // Identity rows: nothing to do where prescribed, the known jump where stuck.
         for node in 0..all.nodes.owned {
@@ -340,22 +294,20 @@ impl NonlinearSystem for Problem<'_> {
     }
 
     fn direction(&mut self, _x: &[f64], correction: &mut [f64]) -> Result<()> {
-        self.follow(correction);
+        condensed::follow(&self.all, &self.interfaces, correction);
         self.recycle.keep(self.comm, &self.all, correction);
         Ok(())
     }
 
     fn trial(&mut self, correction: &[f64], norm: f64) -> Result<Trial> {
-        let owned = correction.len();
         let mut x = correction.to_vec();
-        self.follow(&mut x);
+        condensed::follow(&self.all, &self.interfaces, &mut x);
         x.iter_mut().zip(&self.displacement).for_each(|(x, u)| *x = u - *x);
         // The linear solve goes on from the state that was linearised.
-        let displacement = self.displacement.clone();
-        let (bulk_force, balance) = (self.bulk_force.clone(), self.balance.clone());
+        self.exchange_with_spare();
         let response = self.interfaces.response.clone();
         let scales = self.convergence.current();
-        let mut f = vec![0.0; owned];
+        let mut f = vec![0.0; x.len()];
         // The scale of the accepted states, once there is one, only makes the trial stricter.
         self.evaluate(&x, &mut f, self.convergence.accepted_force() == 0.0);
         let mut sums = [f.iter().map(|f| f * f).sum::<f64>()];
@@ -363,7 +315,7 @@ impl NonlinearSystem for Problem<'_> {
         let worst = self.worst_force(&f);
         let excess = self.convergence.excess(self.comm, &self.all, &self.interfaces, worst);
         self.convergence.see_again(scales);
-        (self.displacement, self.bulk_force, self.balance) = (displacement, bulk_force, balance);
+        self.exchange_with_spare();
         self.interfaces.response = response;
         Ok(self.linear.trial(norm, sums[0].sqrt(), excess))
     }
@@ -372,7 +324,12 @@ impl NonlinearSystem for Problem<'_> {
         let free = self.free_components();
         let uncoupled = free.iter().zip(rhs).zip(guess.iter_mut()).filter(|((free, _), _)| !**free);
         uncoupled.for_each(|((_, rhs), guess)| *guess = rhs / self.diagonal);
-        self.recycle.guess(self.comm, &self.all, &self.interfaces, &free, rhs, guess);
+        let (comm, all, state) = (self.comm, &self.all, &self.interfaces);
+        let rigid = self.rigid.closest(comm, all, state, self.diagonal, &free, rhs);
+        if let Some(rigid) = rigid {
+            self.recycle.lend(comm, all, &rigid);
+        }
+        self.recycle.guess(comm, all, state, &free, rhs, guess);
         Ok(())
     }
 

@@ -32,6 +32,8 @@ pub struct Recycle {
     kept: Vec<Correction>,
     /// V^T K V over all ranks, row by row of `kept` (J).
     energy: Vec<Vec<f64>>,
+    /// Whether the last one is for one start alone.
+    lent: bool,
 }
 
 impl Recycle {
@@ -44,6 +46,16 @@ impl Recycle {
                 row.remove(0);
             }
         }
+        self.push(comm, all, correction);
+    }
+
+    /// Keeps a correction for the next start alone. Collective.
+    pub fn lend(&mut self, comm: &Comm, all: &Discretization, correction: &[f64]) {
+        self.push(comm, all, correction);
+        self.lent = true;
+    }
+
+    fn push(&mut self, comm: &Comm, all: &Discretization, correction: &[f64]) {
         let owned = correction.len();
         let mut v = vec![0.0; all.nodes.len() * all.dim];
         v[..owned].copy_from_slice(correction);
@@ -65,6 +77,23 @@ impl Recycle {
     /// Adds the best start to `guess`. `free` marks the owned components whose row is not the
     /// identity; the others stay. Collective.
     pub fn guess(
+        &mut self,
+        comm: &Comm,
+        all: &Discretization,
+        interfaces: &InterfaceState,
+        free: &[bool],
+        rhs: &[f64],
+        guess: &mut [f64],
+    ) {
+        self.add_best(comm, all, interfaces, free, rhs, guess);
+        if std::mem::take(&mut self.lent) {
+            self.kept.pop();
+            self.energy.pop();
+            self.energy.iter_mut().for_each(|row| row.truncate(self.kept.len()));
+        }
+    }
+
+    fn add_best(
         &self,
         comm: &Comm,
         all: &Discretization,
@@ -224,11 +253,8 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Minimiser of the energy over the span, from the packed products; none if no direction has
-/// positive energy. The vectors are scaled to unit energy first.
+/// positive energy.
 fn best_weights(n: usize, products: &[f64]) -> Option<DVector<f64>> {
-    if n == 0 {
-        return None;
-    }
     let (mut energy, mut rhs) = (DMatrix::zeros(n, n), DVector::zeros(n));
     let mut next = products.iter().copied();
     for j in 0..n {
@@ -237,6 +263,16 @@ fn best_weights(n: usize, products: &[f64]) -> Option<DVector<f64>> {
             (energy[(i, j)], energy[(j, i)]) = (value, value);
         }
         rhs[j] = next.next()?;
+    }
+    least_energy(&energy, &rhs)
+}
+
+/// The weights for which the energy less the work of `rhs` is least, in the directions of positive
+/// energy; none if there are none. The vectors are scaled to unit energy first.
+pub(super) fn least_energy(energy: &DMatrix<f64>, rhs: &DVector<f64>) -> Option<DVector<f64>> {
+    let n = rhs.len();
+    if n == 0 {
+        return None;
     }
     let scale = DVector::from_fn(n, |i, _| {
         let e: f64 = energy[(i, i)];
