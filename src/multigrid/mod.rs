@@ -19,7 +19,7 @@ pub use spectrum::largest_eigenvalue;
 pub use transfer::Transfer;
 
 /// Part of the spectrum over the diagonal that the smoother damps, from its upper end.
-const DAMPED: f64 = 0.1;
+const DAMPED: f64 = 0.09;
 
 /// The levels below the finest, coarsest first, and what joins them.
 pub struct Hierarchy {

@@ -140,7 +140,7 @@ pub struct LinearTarget {
 }
 
 /// Part of the nonlinear tolerance that a linear solve may use up.
-const SHARE: f64 = 0.02;
+const SHARE: f64 = 0.05;
 /// Of this share, what the solve aims at: its errors need not fall evenly.
 const MARGIN: f64 = 0.5;
 /// A linear solve stops when the residual of the state it leads to is this many times its own.
