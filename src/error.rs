@@ -38,3 +38,13 @@ impl Error {
         Error::System(format!("{what} {}: {cause}", path.display()))
     }
 }
+
+/// A number as it is written in messages.
+pub fn number_text(number: f64) -> String {
+    let size = number.abs();
+    if size != 0.0 && !(1e-3..1e6).contains(&size) {
+        format!("{number:e}")
+    } else {
+        format!("{number}")
+    }
+}

@@ -5,10 +5,10 @@ use std::path::Path;
 
 use super::file::{CaseFile, MaterialSection};
 use super::problems::Problems;
-use super::tree::{Node, number_text};
+use super::tree::Node;
 use super::{Case, Cells, InterfaceSpec, LawSpec, Material, MeshSpec, PhysicsDecision, SolverSpec};
 use super::{Form, Linear, supports};
-use crate::error::Result;
+use crate::error::{Result, number_text};
 
 /// What is said of everything that the contract plans and the program cannot do yet.
 pub(super) const LATER: &str = "is not yet available";
@@ -311,26 +311,9 @@ impl Checker<'_> {
     }
 
     fn law(&mut self, path: &str, law: &LawSpec) {
-        if let LawSpec::LinearSoftening(softening) = law {
-            // r = augmentation sigma_c^2 / G_c must exceed the slope h = sigma_c^2 / (2 G_c).
-            let unit = softening.strength * softening.strength / softening.fracture_energy;
-            if softening.augmentation <= 0.5 {
-                let reason = format!(
-                    "must be above 0.5: r = {} Pa/m has to exceed the softening slope {} Pa/m, \
-                     got {}",
-                    number_text(softening.augmentation * unit),
-                    number_text(0.5 * unit),
-                    number_text(softening.augmentation)
-                );
-                self.add(&format!("{path}.linear_softening.augmentation"), reason);
-            } else if !(unit * softening.augmentation).is_finite() || unit == 0.0 {
-                let reason = format!(
-                    "strength {} and fracture_energy {} make a slope that is no number",
-                    number_text(softening.strength),
-                    number_text(softening.fracture_energy)
-                );
-                self.add(&format!("{path}.linear_softening"), reason);
-            }
+        for problem in law.law().check() {
+            let (key, reason) = problem.split_once(' ').unwrap_or((problem.as_str(), ""));
+            self.add(&format!("{path}.{}.{key}", law.name()), reason);
         }
     }
 

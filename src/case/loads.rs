@@ -5,8 +5,8 @@ use super::check::{Checker, LATER};
 use super::file::{CaseFile, Components, Physics, Quantity};
 use super::formula::Formula;
 use super::material::Material;
-use super::tree::number_text;
 use super::value::Value;
+use crate::error::number_text;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 

@@ -8,7 +8,8 @@ use serde_json::Value as Json;
 
 use super::file::CaseFile;
 use super::problems::{Problems, nearest, suggestion};
-use super::tree::{Data, Entry, Node, number_text};
+use super::tree::{Data, Entry, Node};
+use crate::error::number_text;
 
 /// The JSON Schema (draft 2020-12) of the case file.
 pub fn schema() -> Json {

@@ -1,5 +1,6 @@
 //! The case file as a tree that knows where each of its parts was written.
 
+use crate::error::number_text;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde_saphyr::Spanned;
@@ -284,15 +285,5 @@ impl Node {
             }),
             _ => {}
         }
-    }
-}
-
-/// A number as it is written in messages.
-pub(super) fn number_text(number: f64) -> String {
-    let size = number.abs();
-    if size != 0.0 && !(1e-3..1e6).contains(&size) {
-        format!("{number:e}")
-    } else {
-        format!("{number}")
     }
 }

@@ -11,6 +11,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+mod softening;
 #[cfg(test)]
 mod testkit;
 
@@ -141,6 +142,11 @@ pub trait InterfaceLaw {
     /// The jump at which nothing is transmitted any more, delta_c, m; none if there is no such.
     fn jump_scale(&self) -> Option<f64>;
 
+    /// The jump by which errors of jumps are measured, m; none if there is no such.
+    fn typical_jump(&self) -> Option<f64> {
+        self.jump_scale()
+    }
+
     /// The largest tensile traction, Pa; none if there is no such.
     fn strength(&self) -> Option<f64>;
 
@@ -159,7 +165,7 @@ pub trait InterfaceLaw {
     /// Whether an interface with this history holds a body against sliding.
     fn holds_sliding(&self, history: f64) -> bool;
 
-    /// The problems of the parameters, in words, each naming its parameter; empty if none.
+    /// The problems of the parameters, in words, each beginning with its parameter; empty if none.
     fn check(&self) -> Vec<String>;
 }
 
@@ -222,7 +228,13 @@ macro_rules! laws {
     };
 }
 
-laws! { linear_softening::LinearSoftening, contact::Contact, tied::Tied }
+laws! {
+    linear_softening::LinearSoftening,
+    exponential_softening::ExponentialSoftening,
+    bilinear::Bilinear,
+    contact::Contact,
+    tied::Tied,
+}
 
 #[cfg(test)]
 mod tests {

@@ -306,7 +306,7 @@ pub fn rupture_takes_the_fracture_energy<L: Samples>() {
         let r = law.augmentation(STIFFNESS);
         for way in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.6, 0.0, -0.8], [0.48, 0.6, 0.64]] {
             let (mut work, mut history) = (0.0, 0.0);
-            let steps = 1000;
+            let steps = 4000;
             for step in 0..steps {
                 let middle = 1.1 * scale * (f64::from(step) + 0.5) / f64::from(steps);
                 let response =

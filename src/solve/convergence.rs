@@ -175,7 +175,7 @@ impl Convergence {
         let mut defect = vec![Worst::default(); interfaces.laws.len()];
         for (rows, response) in all.secondary.iter().zip(&interfaces.response) {
             let law = interfaces.laws[rows.interface].spec.law();
-            let scale = law.jump_scale().unwrap_or(displacement_scale);
+            let scale = law.typical_jump().unwrap_or(displacement_scale);
             let square: f64 = response.defect.iter().map(|d| d * d).sum();
             let relative = if square == 0.0 {
                 0.0

@@ -108,15 +108,20 @@ fn a_mistake_in_the_file_is_told_with_its_place_and_reason() {
              got 0.25",
         ),
         (
+            "strength: 1.1e6",
+            "strength: -1.1e6",
+            "9:40: interfaces.0.law.linear_softening.strength must be positive, got -1.1e6",
+        ),
+        (
             "linear_softening",
             "linear_softning",
             "9:11: interfaces.0.law.linear_softning is not a known key; did you mean \
-             `linear_softening`? (known: linear_softening, contact, tied)",
+             `linear_softening`? (known: linear_softening, exponential_softening, bilinear, contact, tied)",
         ),
         (
             "{linear_softening: {strength: 1.1e6, fracture_energy: 900}}",
             "contact",
-            "9:10: interfaces.0.law must be {linear_softening: ...}, {contact: ...} or {tied: \
+            "9:10: interfaces.0.law must be {linear_softening: ...}, {exponential_softening: ...}, {bilinear: ...}, {contact: ...} or {tied: \
              ...}, got the text `contact`",
         ),
         (

@@ -1,0 +1,206 @@
+//! Exact adhesion, exponential softening, secant unloading, contact.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::softening::{Envelope, not_positive, recoverable, respond};
+use super::{InterfaceLaw, Local, Response};
+use crate::error::number_text;
+
+/// Exact adhesion up to the strength, then softening of the traction along the jump as
+/// $\sigma_c \exp(-\delta/L)$ with $L = G_c/\sigma_c$, with secant unloading; one strength and one
+/// fracture energy for all modes; contact without friction, whatever the damage.
+///
+/// The envelope ends at 36 L, where the traction is as small as the rounding of the strength. The
+/// damage is the part of the fracture energy that is dissipated.
+///
+/// # Source
+/// code_aster R7.02.11 (CZM_EXP_REG, without its initial slope); as
+/// [`super::LinearSoftening`] written in terms of the largest jump.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ExponentialSoftening {
+    /// Traction at which the interface starts to open or slide, Pa.
+    pub strength: f64,
+    /// Energy that full rupture takes, per area, J/m2.
+    pub fracture_energy: f64,
+    /// Augmentation in units of strength^2 / fracture_energy; more than 1. The converged answer
+    /// does not depend on it.
+    #[serde(default = "default_augmentation")]
+    pub augmentation: f64,
+}
+
+fn default_augmentation() -> f64 {
+    20.0
+}
+
+/// Where the envelope ends, in units of L: exp(-36) is 2.3e-16.
+const END: f64 = 36.0;
+
+impl ExponentialSoftening {
+    /// L = G_c / sigma_c, m.
+    fn length(&self) -> f64 {
+        self.fracture_energy / self.strength
+    }
+
+    /// Part of the fracture energy that is dissipated: the area under the envelope less the triangle
+    /// that unloading gives back.
+    fn dissipated_part(&self, history: f64) -> f64 {
+        if history >= self.critical_jump() {
+            return 1.0;
+        }
+        let x = history / self.length();
+        -(-x).exp_m1() - 0.5 * x * (-x).exp()
+    }
+}
+
+impl Envelope for ExponentialSoftening {
+    fn elastic_jump(&self) -> f64 {
+        0.0
+    }
+
+    fn critical_jump(&self) -> f64 {
+        END * self.length()
+    }
+
+    fn secant(&self, jump: f64) -> f64 {
+        self.strength * (-jump / self.length()).exp() / jump
+    }
+
+    fn slope(&self, jump: f64) -> f64 {
+        -self.strength / self.length() * (-jump / self.length()).exp()
+    }
+
+    /// Newton's method from the right, where the convex function is positive: it only falls.
+    fn jump_under(&self, q: f64, r: f64) -> f64 {
+        let mut jump = q / r;
+        for _ in 0..60 {
+            let traction = self.strength * (-jump / self.length()).exp();
+            let step = (traction + r * jump - q) / (r + self.slope(jump));
+            jump -= step;
+            if step <= f64::EPSILON * jump {
+                break;
+            }
+        }
+        jump.max(0.0)
+    }
+}
+
+impl InterfaceLaw for ExponentialSoftening {
+    fn respond(&self, p: Local, augmentation: f64, history: f64, dim: usize) -> Response {
+        respond(self, p, augmentation, history, dim)
+    }
+
+    fn augmentation(&self, _stiffness: f64) -> f64 {
+        self.augmentation * self.strength * self.strength / self.fracture_energy
+    }
+
+    fn jump_scale(&self) -> Option<f64> {
+        Some(self.critical_jump())
+    }
+
+    fn typical_jump(&self) -> Option<f64> {
+        Some(2.0 * self.length())
+    }
+
+    fn strength(&self) -> Option<f64> {
+        Some(self.strength)
+    }
+
+    fn damage(&self, history: f64) -> f64 {
+        self.dissipated_part(history)
+    }
+
+    fn dissipated(&self, history: f64) -> f64 {
+        self.fracture_energy * self.dissipated_part(history)
+    }
+
+    fn recoverable(&self, jump: Local, history: f64) -> f64 {
+        recoverable(self, jump, history)
+    }
+
+    fn holds_opening(&self, history: f64) -> bool {
+        history < self.critical_jump()
+    }
+
+    fn holds_sliding(&self, history: f64) -> bool {
+        history < self.critical_jump()
+    }
+
+    fn check(&self) -> Vec<String> {
+        let mut problems = not_positive(&[
+            ("strength", self.strength),
+            ("fracture_energy", self.fracture_energy),
+        ]);
+        if !(self.augmentation.is_finite() && self.augmentation > 1.0) {
+            let unit = self.strength / self.length();
+            problems.push(format!(
+                "augmentation must be above 1: r = {} Pa/m has to exceed the steepest slope of the \
+                 softening {} Pa/m, got {}",
+                number_text(self.augmentation * unit),
+                number_text(unit),
+                number_text(self.augmentation)
+            ));
+        }
+        problems
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Branch;
+    use super::super::testkit::{Samples, respond_to_jump};
+    use super::*;
+
+    impl Samples for ExponentialSoftening {
+        fn samples() -> Vec<Self> {
+            vec![
+                ExponentialSoftening { strength: 1.1e6, fracture_energy: 900.0, augmentation: 20.0 },
+                ExponentialSoftening { strength: 3.0e6, fracture_energy: 100.0, augmentation: 4.0 },
+            ]
+        }
+
+        fn branches() -> &'static [Branch] {
+            &[
+                Branch::Stick,
+                Branch::StickClosed,
+                Branch::Unloading,
+                Branch::UnloadingClosed,
+                Branch::Softening,
+                Branch::SofteningClosed,
+                Branch::Broken,
+                Branch::BrokenClosed,
+            ]
+        }
+    }
+
+    #[test]
+    fn tractions_follow_the_exponential_and_unload_to_the_origin() {
+        let law = ExponentialSoftening::samples().swap_remove(0);
+        let r = InterfaceLaw::augmentation(&law, 0.0);
+        for size in [1e-5, 3e-4, 2e-3] {
+            let jump = [0.6 * size, -0.8 * size, 0.0];
+            let full = respond_to_jump(&law, r, jump, 0.0, 3).expect("a jump of the envelope");
+            let half = jump.map(|w| 0.5 * w);
+            let half = respond_to_jump(&law, r, half, full.history, 3).expect("a smaller jump");
+            let exact = 1.1e6 * (-size * 1.1e6 / 900.0_f64).exp();
+            for (i, jump) in jump.iter().enumerate() {
+                let traction = exact * jump / size;
+                assert!((full.traction[i] - traction).abs() < 1e-9 * 1.1e6);
+                assert!((half.traction[i] - 0.5 * traction).abs() < 1e-9 * 1.1e6);
+            }
+            assert_eq!(half.branch, Branch::Unloading);
+        }
+    }
+
+    #[test]
+    fn bad_parameters_are_named() {
+        let law =
+            ExponentialSoftening { strength: 0.0, fracture_energy: -1.0, augmentation: 1.0 };
+        let problems = law.check();
+        assert_eq!(problems.len(), 3);
+        for (problem, name) in problems.iter().zip(["strength", "fracture_energy", "augmentation"]) {
+            assert!(problem.starts_with(name));
+        }
+    }
+}

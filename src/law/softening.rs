@@ -1,0 +1,127 @@
+//! The response that all softening laws share, from the envelope of each.
+//!
+//! The traction follows the direction of the jump; its size is bounded by an envelope of the largest
+//! equivalent jump so far, and below that jump it is proportional to the jump. One strength and one
+//! fracture energy serve all modes; contact is without friction, whatever the damage.
+
+use super::{Branch, Local, LocalMatrix, Response};
+use crate::error::number_text;
+
+/// Equivalent jumps below this fraction of the critical one count as none: their secant is as good
+/// as rigid, and as a number it would only spoil the conditioning.
+pub(super) const SMALLEST_JUMP: f64 = 1.0e-12;
+
+/// A state this close to the threshold counts as below it: rounding only.
+const THRESHOLD_TIE: f64 = 16.0 * f64::EPSILON;
+
+/// How the largest traction falls with the largest equivalent jump.
+pub(super) trait Envelope {
+    /// The equivalent jump up to which nothing is damaged, m; zero where adhesion is exact.
+    fn elastic_jump(&self) -> f64;
+
+    /// The equivalent jump from which nothing is transmitted, m.
+    fn critical_jump(&self) -> f64;
+
+    /// Traction over the jump on the envelope, Pa/m.
+    fn secant(&self, jump: f64) -> f64;
+
+    /// Derivative of the traction on the envelope by the jump, Pa/m; not positive.
+    fn slope(&self, jump: f64) -> f64;
+
+    /// The jump on the envelope at which traction + r jump is `q`, which is beyond the elastic jump.
+    fn jump_under(&self, q: f64, r: f64) -> f64;
+}
+
+/// Jump, traction and derivatives at the augmented traction `p`, as
+/// [`super::InterfaceLaw::respond`] says.
+///
+/// On the threshold itself, within a few units in the last place, a damaged point unloads: the
+/// first correction after a commit takes the secant, which is exact for a reversal and leaves the
+/// softening branch to the next correction of a further loading. For this the first iterate must be
+/// evaluated at the very `p` that was committed.
+pub(super) fn respond(law: &impl Envelope, p: Local, r: f64, history: f64, dim: usize) -> Response {
+    let critical = law.critical_jump();
+    let smallest = SMALLEST_JUMP * critical;
+    let closed = p[0] <= 0.0;
+    let p: Local = std::array::from_fn(|i| if i < dim { p[i] } else { 0.0 });
+    let pulled = [p[0].max(0.0), p[1], p[2]];
+    let q = norm(pulled);
+    let kappa = history.max(law.elastic_jump()).min(critical);
+    let pick = |open, shut| if closed { shut } else { open };
+    // traction + r jump at a point of the envelope.
+    let threshold = |jump: f64| (law.secant(jump) + r) * jump;
+
+    if kappa < smallest && q <= threshold(smallest) {
+        return Response::held(p, dim, pick(Branch::Stick, Branch::StickClosed), kappa);
+    }
+    // w = ratio p+; C = along e(x)e + across (I - e(x)e), and A = (C + r I)^-1.
+    let (branch, ratio, along, across, kappa) = if kappa >= critical || q >= r * critical {
+        (pick(Branch::Broken, Branch::BrokenClosed), 1.0 / r, 0.0, 0.0, critical)
+    } else if kappa >= smallest && q <= threshold(kappa) * (1.0 + THRESHOLD_TIE) {
+        let s = law.secant(kappa);
+        (pick(Branch::Unloading, Branch::UnloadingClosed), 1.0 / (r + s), s, s, kappa)
+    } else {
+        let jump = law.jump_under(q, r);
+        let branch = pick(Branch::Softening, Branch::SofteningClosed);
+        (branch, jump / q, law.slope(jump), law.secant(jump), kappa.max(jump).min(critical))
+    };
+    let first = usize::from(closed);
+    let mut jump = [0.0; 3];
+    for i in first..dim {
+        jump[i] = ratio * pulled[i];
+    }
+    Response {
+        jump,
+        traction: std::array::from_fn(|i| p[i] - r * jump[i]),
+        compliance: transverse_isotropic(1.0 / (r + along), 1.0 / (r + across), pulled, first..dim),
+        stuck: [closed, false, false],
+        tangent: transverse_isotropic(along, across, pulled, first..dim),
+        branch,
+        history: kappa,
+    }
+}
+
+/// Energy per area that unloading gives back, J/m2.
+pub(super) fn recoverable(law: &impl Envelope, jump: Local, history: f64) -> f64 {
+    let critical = law.critical_jump();
+    let kappa = history.max(law.elastic_jump());
+    if kappa < SMALLEST_JUMP * critical || kappa >= critical {
+        return 0.0;
+    }
+    let opened = norm([jump[0].max(0.0), jump[1], jump[2]]);
+    0.5 * law.secant(kappa) * opened * opened
+}
+
+/// What is wrong with parameters that must be positive, by name.
+pub(super) fn not_positive(parameters: &[(&str, f64)]) -> Vec<String> {
+    let wrong = parameters.iter().filter(|(_, value)| !(value.is_finite() && *value > 0.0));
+    let words = |(name, value): &(&str, f64)| {
+        format!("{name} must be positive, got {}", number_text(*value))
+    };
+    wrong.map(words).collect()
+}
+
+fn norm(v: Local) -> f64 {
+    v[0].hypot(v[1]).hypot(v[2])
+}
+
+/// `along` e(x)e + `across` (I - e(x)e) on the components in `active`, e the direction of `v`.
+fn transverse_isotropic(
+    along: f64,
+    across: f64,
+    v: Local,
+    active: std::ops::Range<usize>,
+) -> LocalMatrix {
+    let mut out = [[0.0; 3]; 3];
+    let size = norm(v);
+    for i in active.clone() {
+        out[i][i] = across;
+        if along != across {
+            for j in active.clone() {
+                // This order of the products keeps the operator exactly symmetric.
+                out[i][j] += (along - across) * ((v[i] / size) * (v[j] / size));
+            }
+        }
+    }
+    out
+}
