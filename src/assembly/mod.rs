@@ -65,6 +65,22 @@ impl Discretization {
         self.secondary.partition_point(|r| (r.node as usize) < self.nodes.owned)
     }
 
+    /// Calls `act` with node and component of every owned prescribed component. Local.
+    ///
+    /// # Errors
+    /// The first of `act`.
+    pub fn for_prescribed(
+        &self,
+        mut act: impl FnMut(usize, usize) -> crate::error::Result<()>,
+    ) -> crate::error::Result<()> {
+        for node in 0..self.nodes.owned {
+            for component in (0..self.dim).filter(|c| self.prescribed[node][*c]) {
+                act(node, component)?;
+            }
+        }
+        Ok(())
+    }
+
     /// The nodes whose rows of the tangent a cell contributes to: its own, and those over which the
     /// jump rows of its secondary nodes extend and that are not prescribed.
     pub fn coupled_nodes(&self, cell: usize, out: &mut Vec<u32>) {

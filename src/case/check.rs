@@ -49,6 +49,7 @@ impl Checker<'_> {
         let body_force = self.body_force(&file);
         let (time, start) = self.time(&file);
         self.solver(&file.solver);
+        let (control, time, start) = self.control(&file, &interfaces, (time, start));
         let physics = self.physics(&file, &materials);
         if self.sound(&["mesh", "materials", "interfaces"]) {
             self.cells(&file, &mesh, &materials, &interfaces);
@@ -78,6 +79,7 @@ impl Checker<'_> {
             physics,
             time,
             start,
+            control,
             solver: file.solver.clone(),
             output,
             probes,
@@ -361,9 +363,6 @@ impl Checker<'_> {
             self.add("physics", format!("hydro_mechanics {LATER}"));
         } else if self.sound(&["physics", "materials", "boundary", "initial"]) {
             self.pore_pressure(file, materials);
-        }
-        if file.control.is_some() {
-            self.add("control", LATER);
         }
         PhysicsDecision::Mechanics
     }

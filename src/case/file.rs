@@ -43,9 +43,9 @@ pub(super) struct CaseFile {
     /// What is computed.
     #[serde(default)]
     pub physics: Physics,
-    /// Path following (not yet available).
+    /// Path following: what all loads are scaled by follows from the state of an interface.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub control: Option<serde_json::Value>,
+    pub control: Option<ControlSection>,
     /// How it is solved.
     #[serde(default)]
     pub solver: SolverSpec,
@@ -259,6 +259,38 @@ pub(super) struct TimeSection {
     /// Time integration of flow (other than 1: not yet available).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub theta: Option<f64>,
+}
+
+/// What the load factor follows from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub(super) enum ControlSection {
+    /// The mean normal jump of an interface is given.
+    Opening(OpeningSection),
+    /// The dissipated part of the energy of an interface grows step by step until it is broken; it
+    /// takes the place of the time, and the loads are those of the last instant.
+    Dissipation(DissipationSection),
+}
+
+/// The mean normal jump of an interface is given.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct OpeningSection {
+    /// Name of the interface.
+    pub of: String,
+    /// Its mean normal jump in m, over time.
+    pub equals: Quantity,
+}
+
+/// The dissipated part of the energy of an interface grows step by step.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DissipationSection {
+    /// Name of the interface.
+    pub of: String,
+    /// How much of it a step may dissipate, of fracture energy times area.
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1))]
+    pub step: f64,
 }
 
 /// What is computed.

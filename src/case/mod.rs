@@ -2,6 +2,7 @@
 
 mod boundary;
 mod check;
+mod control;
 mod file;
 mod formula;
 mod interface;
@@ -19,6 +20,7 @@ mod value;
 
 pub use crate::law::LawSpec;
 pub use boundary::{BoundarySpec, Surface};
+pub use control::{Control, ControlKind};
 pub use formula::Formula;
 pub use interface::{InterfaceSpec, Side};
 pub use material::{Material, Porous};
@@ -74,6 +76,8 @@ pub struct Case {
     pub time: Vec<f64>,
     /// The time in s of the undeformed state.
     pub start: f64,
+    /// Path following.
+    pub control: Option<Control>,
     /// How it is solved.
     pub solver: SolverSpec,
     /// What is written.
@@ -131,6 +135,14 @@ impl Case {
         };
         let checker = Checker { tree: &tree, problems, broken, dim: 2, left_out: Vec::new() };
         checker.case(file, path)
+    }
+
+    /// The times at which loads and prescribed displacements are evaluated.
+    pub fn load_times(&self) -> Vec<f64> {
+        let of = |time: &f64| self.control.as_ref().map_or(*time, |c| c.load_time(*time));
+        let mut times: Vec<f64> = self.time.iter().map(of).collect();
+        times.dedup();
+        times
     }
 
     /// The case as a case file with every default written out.

@@ -4,9 +4,13 @@
 
 use super::error::{check, forget, text};
 use super::ffi;
-use crate::error::Result;
+use super::vector::{ReadView, WriteView};
+use crate::error::{Error, Result};
 use std::fmt;
 use std::ptr;
+
+/// Reduction of the residual of further systems.
+const FURTHER: f64 = 1e-12;
 
 /// Options of PETSc (name without the dash and the prefix, value) that hold where the user has not
 /// set the same option.
@@ -157,6 +161,78 @@ impl Ksp {
         // SAFETY: a valid solver.
         let code = unsafe { ffi::KSPSetInitialGuessNonzero(self.raw, ffi::PETSC_TRUE) };
         check(code, "KSPSetInitialGuessNonzero")
+    }
+
+    /// The solver for calls of PETSc.
+    pub(super) fn raw(self) -> ffi::KSP {
+        self.raw
+    }
+
+    /// Solves one more system with the operators of the last solve, without the callbacks of the
+    /// Newton solver, which are to be set again afterwards. Where conjugate gradients meet an
+    /// indefinite matrix, GMRES takes their place from then on. Collective.
+    ///
+    /// # Safety
+    /// `like` is a valid vector of the layout of the solution.
+    ///
+    /// # Errors
+    /// `Numerics` when the solve fails, `System` when PETSc does.
+    pub(super) unsafe fn solve_alone(
+        self,
+        like: ffi::Vec,
+        rhs: &[f64],
+        solution: &mut [f64],
+    ) -> Result<()> {
+        let mut test = ptr::null_mut();
+        // SAFETY: a valid solver and a place for the context of PETSc's own test, which the solver
+        // then owns.
+        unsafe {
+            check(ffi::KSPSetPreSolve(self.raw, None, ptr::null_mut()), "KSPSetPreSolve")?;
+            check(ffi::KSPConvergedDefaultCreate(&mut test), "KSPConvergedDefaultCreate")?;
+            let (usual, forget) = (ffi::KSPConvergedDefault, ffi::KSPConvergedDefaultDestroy);
+            let code = ffi::KSPSetConvergenceTest(self.raw, Some(usual), test, Some(forget));
+            check(code, "KSPSetConvergenceTest")?;
+            let code = ffi::KSPSetInitialGuessNonzero(self.raw, ffi::PETSC_FALSE);
+            check(code, "KSPSetInitialGuessNonzero")?;
+        }
+        self.set_tolerances(Some(FURTHER), Some(0.0))?;
+        let [mut b, mut x] = [ptr::null_mut(); 2];
+        // SAFETY: a valid vector by the contract.
+        check(unsafe { ffi::VecDuplicate(like, &mut b) }, "VecDuplicate")?;
+        // SAFETY: as above.
+        check(unsafe { ffi::VecDuplicate(like, &mut x) }, "VecDuplicate")?;
+        let solved = self.solve_into(b, x, rhs, solution);
+        // SAFETY: two valid vectors, destroyed once.
+        unsafe {
+            ffi::VecDestroy(&mut b);
+            ffi::VecDestroy(&mut x);
+        }
+        solved
+    }
+
+    fn solve_into(self, b: ffi::Vec, x: ffi::Vec, rhs: &[f64], solution: &mut [f64]) -> Result<()> {
+        // SAFETY: a valid vector that nothing else uses.
+        unsafe { WriteView::new(b) }?.copy_from_slice(rhs);
+        loop {
+            // SAFETY: a valid solver with operators, and two different valid vectors.
+            check(unsafe { ffi::KSPSolve(self.raw, b, x) }, "KSPSolve")?;
+            let Some(failure) = self.failure()? else { break };
+            let indefinite = matches!(
+                failure.reason,
+                LinearReason::IndefiniteMatrix | LinearReason::IndefinitePreconditioner
+            );
+            if !(indefinite && self.type_name()? == "cg") {
+                return Err(Error::Numerics(format!(
+                    "the linear solver failed: {}",
+                    failure.words
+                )));
+            }
+            // SAFETY: a valid solver and the name of a type.
+            check(unsafe { ffi::KSPSetType(self.raw, c"gmres".as_ptr()) }, "KSPSetType")?;
+        }
+        // SAFETY: a valid vector that nothing else uses.
+        solution.copy_from_slice(&unsafe { ReadView::new(x) }?);
+        Ok(())
     }
 
     /// Forgets preconditioner and factors; the options stay.

@@ -7,7 +7,7 @@ mod report;
 mod system;
 
 pub use report::{SnesReason, SolveReport};
-pub use system::{LinearTolerance, NonlinearSystem, TangentChange, Trial, Verdict};
+pub use system::{FurtherSolve, LinearTolerance, NonlinearSystem, TangentChange, Trial, Verdict};
 
 use super::error::{c_string, check, forget};
 use super::linear::{Ksp, KspSetup, LinearFailure};
@@ -353,6 +353,15 @@ unsafe fn install<S: NonlinearSystem>(
     // SAFETY: a valid solver.
     check(unsafe { ffi::SNESGetKSP(snes, &mut ksp) }, "SNESGetKSP")?;
     // SAFETY: the linear solver of a valid solver, the context as above.
+    unsafe { watch_linear::<S>(ksp, context) }
+}
+
+/// Sets the callbacks of linear solves and their context.
+///
+/// # Safety
+/// `ksp` is valid; `context` as in [`install`].
+unsafe fn watch_linear<S: NonlinearSystem>(ksp: ffi::KSP, context: *mut c_void) -> Result<()> {
+    // SAFETY: a valid solver, the context by the contract.
     let code = unsafe { ffi::KSPSetPreSolve(ksp, Some(callbacks::initial_guess::<S>), context) };
     check(code, "KSPSetPreSolve")?;
     let test = Some(callbacks::linear_verdict::<S> as _);

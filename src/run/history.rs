@@ -17,7 +17,8 @@ pub fn row(
 ) -> Vec<Option<f64>> {
     let problem = &model.stepper.problem;
     let counts = [accepted.newton_iterations, accepted.linear_iterations].map(|n| Some(n as f64));
-    let mut row = vec![Some(time), Some(1.0), counts[0], counts[1]];
+    let factor = model.stepper.load_factor();
+    let mut row = vec![Some(time), Some(factor), counts[0], counts[1]];
     row.extend(interface_statistics(case, problem, comm));
     let reactions = model.stepper.reactions();
     for surface in case.supported_surfaces() {

@@ -66,3 +66,16 @@ pub fn follow(all: &Discretization, interfaces: &InterfaceState, correction: &mu
         }
     }
 }
+
+/// Marks the owned components whose row is not the identity.
+pub fn free_components(all: &Discretization, interfaces: &InterfaceState) -> Vec<bool> {
+    let dim = all.dim;
+    let prescribed = &all.prescribed[..all.nodes.owned];
+    let mut free: Vec<bool> = prescribed.iter().flat_map(|p| &p[..dim]).map(|p| !p).collect();
+    for (rows, response) in all.secondary.iter().zip(&interfaces.response) {
+        for c in (0..dim).filter(|c| rows.rows[*c].is_some() && response.state.stuck[*c]) {
+            free[rows.node as usize * dim + c] = false;
+        }
+    }
+    free
+}

@@ -193,7 +193,9 @@ impl Convergence {
         Measure { worst, defect, out_of_balance, largest }
     }
 
-    /// The verdict on a state: `worst` is the largest out-of-balance nodal force (N). Collective.
+    /// The verdict on a state: `worst` is the largest out-of-balance nodal force (N), `control` how far
+    /// what the load factor follows from is from its value, over its scale. Collective.
+    #[allow(clippy::too_many_arguments)] // the parts of a state
     pub fn judge(
         &mut self,
         comm: &Comm,
@@ -202,6 +204,7 @@ impl Convergence {
         iteration: usize,
         norm: f64,
         worst: Worst,
+        control: f64,
     ) -> Result<Verdict> {
         let (mut signature, mut holds) = (0u64, vec![0.0; interfaces.laws.len()]);
         for (rows, response) in all.secondary.iter().zip(&interfaces.response) {
@@ -227,7 +230,7 @@ impl Convergence {
             target: "newton",
             "  correction {iteration:3}  out of balance {out_of_balance:9.3e}  jumps {largest:9.3e}"
         );
-        if out_of_balance <= self.tolerance && largest <= self.tolerance {
+        if out_of_balance.max(largest).max(control) <= self.tolerance {
             return Ok(Verdict::Converged);
         }
         let signature = comm.sum_u64(signature);

@@ -42,6 +42,8 @@ pub struct InterfaceState {
     pub committed: Vec<f64>,
     /// The answers at the last evaluated state.
     pub response: Vec<NodeResponse>,
+    /// How much larger than they are augmented tractions are taken.
+    pub lean: f64,
 }
 
 impl InterfaceState {
@@ -57,7 +59,7 @@ impl InterfaceState {
             branch: Branch::Stick,
             history: 0.0,
         };
-        Self { dim, laws, committed: vec![0.0; owned], response: vec![rest; owned] }
+        Self { dim, laws, committed: vec![0.0; owned], response: vec![rest; owned], lean: 1.0 }
     }
 
     /// Evaluates the laws at the displacements `u`, `dim` numbers per local node; `given` is the
@@ -81,7 +83,7 @@ impl InterfaceState {
                         + row.others.iter().map(|(n, a)| a * at(*n)).sum::<f64>();
                 }
             }
-            let p = std::array::from_fn(|c| traction[c] + law.augmentation * jump[c]);
+            let p = std::array::from_fn(|c| self.lean * (traction[c] + law.augmentation * jump[c]));
             let answer = law.spec.law().respond(
                 to_local(p, dim),
                 law.augmentation,

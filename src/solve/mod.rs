@@ -5,6 +5,7 @@ mod convergence;
 mod energy;
 mod interfaces;
 mod linear;
+mod path;
 mod problem;
 mod recycle;
 mod rigid;

@@ -8,8 +8,9 @@ use std::rc::Rc;
 
 use super::condensed;
 use super::convergence::{Convergence, Worst};
-use super::interfaces::InterfaceState;
+use super::interfaces::{InterfaceState, to_local};
 use super::linear::LinearTarget;
+use super::path::PathControl;
 use super::recycle::Recycle;
 use super::rigid::RigidMotions;
 use crate::assembly::{CellSet, Discretization, NodeState, Tangent};
@@ -18,7 +19,9 @@ use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::fault;
 use crate::multigrid::Hierarchy;
-use crate::petsc::{LinearTolerance, Matrix, NonlinearSystem, TangentChange, Trial, Verdict};
+use crate::petsc::{
+    FurtherSolve, LinearTolerance, Matrix, NonlinearSystem, TangentChange, Trial, Verdict,
+};
 use crate::timers::{Phase, Timers};
 
 /// How the tangent of the condensed form is held.
@@ -58,6 +61,8 @@ pub struct Problem<'a> {
     /// The same with the tractions of the interfaces (N): zero where nothing is prescribed, the
     /// reaction of the support elsewhere.
     pub balance: Vec<f64>,
+    /// Path following, where the case asks for it.
+    pub path: Option<PathControl>,
     /// Room for another state.
     spare: [Vec<f64>; 3],
     /// States with which the tangent was assembled, for all local secondary nodes.
@@ -98,6 +103,7 @@ impl<'a> Problem<'a> {
             load: vec![0.0; size],
             bulk_force: vec![0.0; size],
             balance: vec![0.0; size],
+            path: None,
             spare: Default::default(),
             assembled_state: None,
             preconditioned: None,
@@ -113,7 +119,7 @@ impl<'a> Problem<'a> {
         if let TangentForm::Levels(hierarchy) = &self.form { Some(hierarchy) } else { None }
     }
 
-    /// Sets the load to that at `time`. Collective.
+    /// Sets the load to that at `time`, of which path following takes its part. Collective.
     ///
     /// # Errors
     /// `Input` when a formula gives no finite number.
@@ -124,7 +130,19 @@ impl<'a> Problem<'a> {
             let node = nodes.local(name).expect("loads act on the rank's own cells") as usize;
             load[node * dim + component] += force;
         });
-        self.comm.agree(added)
+        self.comm.agree(added)?;
+        if let Some(path) = &mut self.path {
+            path.unit_load.clone_from(&self.load);
+            self.scale_load();
+        }
+        Ok(())
+    }
+
+    /// Makes the load that of the present load factor. Local.
+    pub(super) fn scale_load(&mut self) {
+        if let Some(path) = &self.path {
+            self.load.iter_mut().zip(&path.unit_load).for_each(|(l, unit)| *l = path.factor * unit);
+        }
     }
 
     /// Forces of the bulk at `x`, and the magnitudes of nodal forces and loads if they are wanted.
@@ -154,6 +172,21 @@ impl<'a> Problem<'a> {
         self.convergence.see_forces(&magnitude[..nodes.owned], &self.displacement[..x.len()]);
     }
 
+    /// The largest traction over the strength of its interface, compression left out. Collective.
+    pub(super) fn share_of_strength(&self) -> f64 {
+        let dim = self.all.dim;
+        let mut largest = [0.0_f64];
+        for (rows, response) in self.all.secondary.iter().zip(&self.interfaces.response) {
+            let law = self.interfaces.laws[rows.interface].spec.law();
+            let Some(strength) = law.strength() else { continue };
+            let t = to_local(response.bulk_traction, dim);
+            let size = t[0].max(0.0).hypot(t[1]).hypot(t[2]);
+            largest[0] = largest[0].max(size / strength);
+        }
+        self.comm.max(&mut largest);
+        largest[0]
+    }
+
     /// The largest out-of-balance nodal force in a residual. Local.
     fn worst_force(&self, f: &[f64]) -> Worst {
         let (all, dim) = (&self.all, self.all.dim);
@@ -167,19 +200,6 @@ impl<'a> Problem<'a> {
             worst.see(length, all.nodes.names[node]);
         }
         worst
-    }
-
-    /// Marks the owned components whose row is not the identity.
-    fn free_components(&self) -> Vec<bool> {
-        let (all, dim) = (&self.all, self.all.dim);
-        let prescribed = &all.prescribed[..all.nodes.owned];
-        let mut free: Vec<bool> = prescribed.iter().flat_map(|p| &p[..dim]).map(|p| !p).collect();
-        for (rows, response) in all.secondary.iter().zip(&self.interfaces.response) {
-            for c in (0..dim).filter(|c| rows.rows[*c].is_some() && response.state.stuck[*c]) {
-                free[rows.node as usize * dim + c] = false;
-            }
-        }
-        free
     }
 
     /// States of all local secondary nodes, the ghosts' from their owners. Collective.
@@ -293,13 +313,35 @@ impl NonlinearSystem for Problem<'_> {
         Ok(TangentChange::ChangedKeepPreconditioner)
     }
 
-    fn direction(&mut self, _x: &[f64], correction: &mut [f64]) -> Result<()> {
-        condensed::follow(&self.all, &self.interfaces, correction);
-        self.recycle.keep(self.comm, &self.all, correction);
+    fn direction(
+        &mut self,
+        _x: &[f64],
+        correction: &mut [f64],
+        solve: &mut FurtherSolve<'_>,
+    ) -> Result<()> {
+        self.interfaces.lean = 1.0;
+        let Some(path) = self.path.as_mut().filter(|path| path.follows()) else {
+            condensed::follow(&self.all, &self.interfaces, correction);
+            self.recycle.keep(self.comm, &self.all, correction);
+            return Ok(());
+        };
+        let (comm, all, state) = (self.comm, &self.all, &self.interfaces);
+        let rhs = path.load_residual(comm, all, state);
+        let mut along = vec![0.0; rhs.len()];
+        match solve(&rhs, &mut along) {
+            Ok(()) => path.combine(comm, all, state, correction, along),
+            Err(Error::Numerics(words)) => path.failure = Some(words),
+            Err(other) => return Err(other),
+        }
+        self.scale_load();
         Ok(())
     }
 
     fn trial(&mut self, correction: &[f64], norm: f64) -> Result<Trial> {
+        if self.path.is_some() {
+            // The correction is not yet the whole one.
+            return Ok(Trial::GoOn(None));
+        }
         let mut x = correction.to_vec();
         condensed::follow(&self.all, &self.interfaces, &mut x);
         x.iter_mut().zip(&self.displacement).for_each(|(x, u)| *x = u - *x);
@@ -321,7 +363,7 @@ impl NonlinearSystem for Problem<'_> {
     }
 
     fn initial_guess(&mut self, rhs: &[f64], guess: &mut [f64]) -> Result<()> {
-        let free = self.free_components();
+        let free = condensed::free_components(&self.all, &self.interfaces);
         let uncoupled = free.iter().zip(rhs).zip(guess.iter_mut()).filter(|((free, _), _)| !**free);
         uncoupled.for_each(|((_, rhs), guess)| *guess = rhs / self.diagonal);
         let (comm, all, state) = (self.comm, &self.all, &self.interfaces);
@@ -335,13 +377,21 @@ impl NonlinearSystem for Problem<'_> {
 
     fn verdict(&mut self, iteration: usize, _x: &[f64], f: &[f64], norm: f64) -> Result<Verdict> {
         let worst = self.worst_force(f);
-        let free = self.free_components();
+        let free = condensed::free_components(&self.all, &self.interfaces);
         let forces = f.iter().zip(free).filter(|(_, free)| *free);
         let mut square = [forces.map(|(f, _)| f * f).sum::<f64>()];
         self.comm.sum(&mut square);
         self.residual_norm = square[0].sqrt();
         let all = &self.all;
-        self.convergence.judge(self.comm, all, &self.interfaces, iteration, norm, worst)
+        let mut control = 0.0;
+        if let Some(path) = &self.path {
+            if path.failure.is_some() {
+                self.convergence.failure.clone_from(&path.failure);
+                return Ok(Verdict::Diverged);
+            }
+            control = path.error(self.comm, all, &self.interfaces);
+        }
+        self.convergence.judge(self.comm, all, &self.interfaces, iteration, norm, worst, control)
     }
 
     fn linear_tolerance(&mut self, _iteration: usize, norm: f64) -> LinearTolerance {

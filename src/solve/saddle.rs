@@ -8,7 +8,9 @@ use super::convergence::Worst;
 use super::problem::Problem;
 use crate::assembly::{LawDerivative, SaddleTangent};
 use crate::error::Result;
-use crate::petsc::{LinearTolerance, Matrix, NonlinearSystem, TangentChange, Vector, Verdict};
+use crate::petsc::{
+    FurtherSolve, LinearTolerance, Matrix, NonlinearSystem, TangentChange, Vector, Verdict,
+};
 use crate::timers::Phase;
 
 /// What the saddle-point form has beside the problem.
@@ -101,7 +103,12 @@ impl NonlinearSystem for SaddleSystem<'_, '_> {
         Ok(TangentChange::Changed)
     }
 
-    fn direction(&mut self, _x: &[f64], _correction: &mut [f64]) -> Result<()> {
+    fn direction(
+        &mut self,
+        _x: &[f64],
+        _correction: &mut [f64],
+        _solve: &mut FurtherSolve<'_>,
+    ) -> Result<()> {
         Ok(())
     }
 
@@ -116,7 +123,15 @@ impl NonlinearSystem for SaddleSystem<'_, '_> {
             let free = force.filter(|(_, prescribed)| !prescribed);
             worst.see(free.map(|(f, _)| f * f).sum::<f64>().sqrt(), all.nodes.names[node]);
         }
-        problem.convergence.judge(problem.comm, all, &problem.interfaces, iteration, norm, worst)
+        problem.convergence.judge(
+            problem.comm,
+            all,
+            &problem.interfaces,
+            iteration,
+            norm,
+            worst,
+            0.0,
+        )
     }
 
     fn linear_tolerance(&mut self, _iteration: usize, norm: f64) -> LinearTolerance {

@@ -5,6 +5,7 @@ use std::rc::Rc;
 use super::convergence::Convergence;
 use super::interfaces::{InterfaceState, JointLaw};
 use super::linear::{LinearChoice, LinearTarget, MULTIGRID};
+use super::path::PathControl;
 use super::problem::{Problem, TangentForm};
 use super::saddle::SaddlePoint;
 use super::stepping::Stepper;
@@ -51,12 +52,13 @@ pub fn build<'a>(
     let comm = &runtime.comm;
     let Some(mesh) = meshes.pop() else { return Err(Error::Bug("no mesh".into())) };
     let prescribed = Prescribed::new(case, &mesh.column);
-    let mut largest = [AtNode::agree(comm, prescribed.largest_value(&mesh.nodes, &case.time))?];
+    let times = case.load_times();
+    let mut largest = [AtNode::agree(comm, prescribed.largest_value(&mesh.nodes, &times))?];
     comm.max(&mut largest);
-    let agreement = prescribed.check_agreement(&mesh.nodes, &case.time, largest[0]);
+    let agreement = prescribed.check_agreement(&mesh.nodes, &times, largest[0]);
     AtNode::agree(comm, agreement)?;
     let loads = Loads::new(case, &mesh);
-    comm.agree(loads.check(&case.time))?;
+    comm.agree(loads.check(&times))?;
     let sides = Sides::choose(case, &mesh.column);
 
     let all = Rc::new(discretize(comm, case, &mesh, &sides)?);
@@ -87,7 +89,8 @@ pub fn build<'a>(
     let System { snes, form, diagonal, saddle, rows } = system;
     let x = Vector::new(&runtime.petsc, rows, dim)?;
     let form = (form, diagonal);
-    let problem = Problem::new(comm, timers, all, loads, interfaces, form, convergence, target);
+    let mut problem = Problem::new(comm, timers, all, loads, interfaces, form, convergence, target);
+    problem.path = case.control.clone().map(PathControl::new);
     let stepper = Stepper::new(case, problem, snes, saddle, x, prescribed);
     Ok(Model { stepper, mesh, sides, choice, unknowns })
 }

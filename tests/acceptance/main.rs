@@ -6,6 +6,7 @@ mod common;
 mod energy;
 mod fluid;
 mod patches;
+mod path;
 mod ranks;
 mod reference;
 mod refinement;

@@ -72,8 +72,8 @@ fn the_same_everywhere(scene: &Scene) {
         one.assert_same(&run, 1e-8);
         assert_quadratic(&run);
     }
-    for (solver, ranks) in [("gamg", [1, 3]), ("hypre", [2, 4]), ("multigrid", [1, 2])] {
-        for ranks in ranks {
+    for solver in ["gamg", "hypre", "multigrid"] {
+        for ranks in 1..=4 {
             one.assert_same(&with(solver, ranks), 1e-8);
         }
     }

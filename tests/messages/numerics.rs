@@ -5,7 +5,7 @@ use super::{Answer, Folder, PULLED};
 
 const STIFF: &str = "interface joint gives way over its whole area in this step: if the column \
                      gives back more energy than the interface takes (snap-back), no step is small \
-                     enough; shorten or stiffen the column, or raise fracture_energy; otherwise a \
+                     enough, but control: {opening: {of: joint, equals: ...}} follows it; otherwise a \
                      larger augmentation may help";
 
 /// Runs the scene with overrides (and what follows `--`).

@@ -4,8 +4,8 @@ use crate::linear_algebra::{share, tridiagonal};
 use column_hpc::comm::Comm;
 use column_hpc::error::{Error, Result};
 use column_hpc::petsc::{
-    KspSetup, LinearReason, LinearTolerance, Matrix, NonlinearSystem, Petsc, Snes, SnesReason,
-    SolveReport, TangentChange, Vector, Verdict,
+    FurtherSolve, KspSetup, LinearReason, LinearTolerance, Matrix, NonlinearSystem, Petsc, Snes,
+    SnesReason, SolveReport, TangentChange, Vector, Verdict,
 };
 use column_hpc::runtime::Runtime;
 
@@ -111,7 +111,12 @@ impl NonlinearSystem for Chain {
         Ok(self.change)
     }
 
-    fn direction(&mut self, _x: &[f64], _correction: &mut [f64]) -> Result<()> {
+    fn direction(
+        &mut self,
+        _x: &[f64],
+        _correction: &mut [f64],
+        _solve: &mut FurtherSolve<'_>,
+    ) -> Result<()> {
         self.fail(Fails::Direction, "direction")
     }
 

@@ -171,7 +171,7 @@ fn compare(runtime: &Runtime, model: &mut Model<'_>, time: f64) {
     y.write().expect("values").copy_from_slice(&direction);
     let mut product = y.duplicate().expect("a vector");
     snes.matrix().multiply(&y, &mut product).expect("a product");
-    problem.direction(&u, &mut direction).expect("a direction");
+    problem.direction(&u, &mut direction, &mut |_, _| Ok(())).expect("a direction");
 
     let mut at = |sign: f64| {
         let moved: Vec<f64> = u.iter().zip(&direction).map(|(u, d)| u + sign * STEP * d).collect();

@@ -223,7 +223,6 @@ fn what_is_planned_is_refused_as_not_yet_available() {
         "boundary.2={on: top, pressure: 3}",
         "boundary.2={on: top, flux: 1}",
         "gravity=[0, 0, -9.81]",
-        "control={opening: {of: joint, equals: 1}}",
         "physics=hydro_mechanics",
         "time.theta=0.5",
         "initial.pressure={table: [[0, 0], [1, 1]]}",

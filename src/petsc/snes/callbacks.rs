@@ -231,6 +231,7 @@ pub(super) unsafe extern "C" fn direction<S: NonlinearSystem>(
     changed: *mut ffi::PetscBool,
     context: *mut c_void,
 ) -> ffi::PetscErrorCode {
+    let address = context;
     let work = |context: &mut Context<'_, S>| {
         // SAFETY: PETSc lends two different valid vectors for the length of the call.
         let (x, mut y) = (unsafe { ReadView::new(x) }?, unsafe { WriteView::new(correction) }?);
@@ -240,7 +241,15 @@ pub(super) unsafe extern "C" fn direction<S: NonlinearSystem>(
             let negative = usize::try_from(negative).unwrap_or(0);
             context.negative_pivots = context.negative_pivots.max(negative);
         }
-        context.system.direction(&x, &mut y)?;
+        let ksp = context.ksp;
+        let mut further = |rhs: &[f64], solution: &mut [f64]| {
+            // SAFETY: the callbacks that would reach the context stay away from this solve.
+            let solved = unsafe { ksp.solve_alone(correction, rhs, solution) };
+            // SAFETY: the context is that of the running solve.
+            let restored = unsafe { super::watch_linear::<S>(ksp.raw(), address) };
+            solved.and(restored)
+        };
+        context.system.direction(&x, &mut y, &mut further)?;
         // SAFETY: a valid place by the contract.
         unsafe { *changed = ffi::PETSC_TRUE };
         Ok(())

@@ -43,6 +43,13 @@ pub enum Trial {
     GoOn(Option<LinearTolerance>),
 }
 
+/// Solves a system with the tangent of the running correction: right-hand side, then solution, both
+/// of this rank's entries. Collective.
+///
+/// # Errors
+/// `Numerics` when the linear solver fails, with the reason; the same on all ranks.
+pub type FurtherSolve<'s> = dyn FnMut(&[f64], &mut [f64]) -> Result<()> + 's;
+
 /// A system f(x) = 0 with a sparse tangent. All methods are called collectively; slices
 /// hold the entries that this rank owns.
 ///
@@ -57,8 +64,14 @@ pub trait NonlinearSystem {
     fn tangent(&mut self, x: &[f64], matrix: &mut Matrix) -> Result<TangentChange>;
 
     /// Turns the correction that the linear solve returned into the direction d of the unknowns:
-    /// x becomes x - d (times the step length of the line search).
-    fn direction(&mut self, x: &[f64], correction: &mut [f64]) -> Result<()>;
+    /// x becomes x - d (times the step length of the line search). `solve` solves a further system
+    /// with the same tangent.
+    fn direction(
+        &mut self,
+        x: &[f64],
+        correction: &mut [f64],
+        solve: &mut FurtherSolve<'_>,
+    ) -> Result<()>;
 
     /// Judges the state after each correction, and before the first (iteration 0); `norm` is the
     /// 2-norm of `f`.
