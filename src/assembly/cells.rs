@@ -1,7 +1,7 @@
 //! The cells of one rank and their internal forces.
 
 use super::sweep::Sweep;
-use crate::bulk::Stiffness;
+use crate::bulk::{Modal, Stiffness};
 
 /// Which cells a loop runs over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -96,8 +96,17 @@ impl Cells {
         magnitude: Option<&mut [f64]>,
     ) {
         let sweep = if set == CellSet::All { &self.all } else { &self.near };
-        let modal = |prototype: u16| &self.stiffness[prototype as usize].modal;
-        sweep.add_forces(modal, u, force, magnitude);
+        sweep.add_forces(self.modal(), u, [force, &mut []], magnitude);
+    }
+
+    /// As [`Cells::add_forces`] of all cells, with the forces at owned nodes apart from those at
+    /// ghosts. Local.
+    pub fn add_forces_apart(&self, u: &[f64], owned: &mut [f64], ghosts: &mut [f64]) {
+        self.all.add_forces(self.modal(), u, [owned, ghosts], None);
+    }
+
+    fn modal<'s>(&'s self) -> impl Fn(u16) -> &'s Modal {
+        |prototype| &self.stiffness[prototype as usize].modal
     }
 
     /// Adds the diagonal of the stiffness (N/m), `dim` numbers per local node. Local.

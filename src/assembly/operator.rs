@@ -6,8 +6,8 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use super::Discretization;
 use super::tangent::{NodeState, transform_diagonal};
-use super::{CellSet, Discretization};
 use crate::petsc::LinearOperator;
 
 /// The tangent at a state of the interfaces; see [`super::Tangent`] for what it contains.
@@ -21,7 +21,23 @@ pub struct TangentOperator {
     prescribed: Vec<u32>,
     /// Diagonal of the cells' stiffness at local components (N/m).
     stiffness: Vec<f64>,
+    /// Displacements of all local nodes, and forces at ghosts.
     work: RefCell<[Vec<f64>; 2]>,
+}
+
+/// Forces at owned components and at those of ghosts, which need not lie together.
+struct Apart<'a> {
+    owned: &'a mut [f64],
+    ghosts: &'a mut [f64],
+}
+
+impl Apart<'_> {
+    fn at(&mut self, component: usize) -> &mut f64 {
+        match component.checked_sub(self.owned.len()) {
+            None => &mut self.owned[component],
+            Some(ghost) => &mut self.ghosts[ghost],
+        }
+    }
 }
 
 impl TangentOperator {
@@ -35,7 +51,8 @@ impl TangentOperator {
         let prescribed = all.prescribed.iter().enumerate().flat_map(components).collect();
         let state = RefCell::new(vec![NodeState::STUCK; all.secondary.len()]);
         let size = all.nodes.len() * dim;
-        let work = RefCell::new([vec![0.0; size], vec![0.0; size]]);
+        let ghosts = size - all.nodes.owned * dim;
+        let work = RefCell::new([vec![0.0; size], vec![0.0; ghosts]]);
         let mut stiffness = vec![0.0; size];
         all.cells.add_diagonal(&mut stiffness);
         all.nodes.add_to_owners(&mut stiffness, dim);
@@ -105,6 +122,11 @@ impl TangentOperator {
     /// at identity rows. `on_jumps` acts on what [`TangentOperator::to_jumps`] gives; none counts as
     /// zero. Collective.
     pub fn fold(&self, force: &mut [f64], on_jumps: Option<&[f64]>) {
+        let (owned, ghosts) = force.split_at_mut(self.all.nodes.owned * self.all.dim);
+        self.fold_apart(Apart { owned, ghosts }, on_jumps);
+    }
+
+    fn fold_apart(&self, mut force: Apart<'_>, on_jumps: Option<&[f64]>) {
         let (all, dim) = (&self.all, self.all.dim);
         for (rows, state) in all.secondary.iter().zip(&*self.state.borrow()) {
             for (c, row) in rows.rows[..dim].iter().enumerate() {
@@ -113,21 +135,23 @@ impl TangentOperator {
                 // A force on a jump is one on the displacement and its reaction on the others.
                 let on_jump = on_jumps.map_or(0.0, |on_jumps| on_jumps[own]);
                 let carried = match (state.stuck[c], state.jump[c]) {
-                    (true, _) => -std::mem::take(&mut force[own]),
+                    (true, _) => -std::mem::take(force.at(own)),
                     (false, jump) => {
-                        let before = force[own];
-                        force[own] += on_jump;
+                        let before = *force.at(own);
+                        *force.at(own) += on_jump;
                         if jump { -before } else { on_jump }
                     }
                 } / row.own;
                 for (node, a) in &row.others {
-                    force[*node as usize * dim + c] += a * carried;
+                    *force.at(*node as usize * dim + c) += a * carried;
                 }
             }
         }
-        all.nodes.add_to_owners(force, dim);
-        for component in &self.prescribed {
-            force[*component as usize] = 0.0;
+        let Apart { owned, ghosts } = force;
+        all.nodes.add_ghosts_to_owners(owned, ghosts, dim);
+        let size = owned.len();
+        for component in self.prescribed.iter().take_while(|c| (**c as usize) < size) {
+            owned[*component as usize] = 0.0;
         }
     }
 
@@ -195,7 +219,7 @@ impl TangentOperator {
     }
 
     /// Adds the law's forces at owned secondary nodes; see `tangent::add_law` on the weights.
-    fn add_law(&self, u: &[f64], force: &mut [f64]) {
+    fn add_law(&self, u: &[f64], force: &mut Apart<'_>) {
         let (all, dim) = (&self.all, self.all.dim);
         let owned = &all.secondary[..all.owned_secondary()];
         for (rows, state) in owned.iter().zip(&*self.state.borrow()) {
@@ -212,9 +236,9 @@ impl TangentOperator {
                 if let Some(row) = free(c) {
                     let traction: f64 = (0..dim).map(|d| state.tangent[c][d] * jump[d]).sum();
                     let traction = row.weight.sqrt() * traction;
-                    force[rows.node as usize * dim + c] += row.own * traction;
+                    *force.at(rows.node as usize * dim + c) += row.own * traction;
                     for (node, a) in &row.others {
-                        force[*node as usize * dim + c] += a * traction;
+                        *force.at(*node as usize * dim + c) += a * traction;
                     }
                 }
             }
@@ -225,18 +249,15 @@ impl TangentOperator {
 impl LinearOperator for TangentOperator {
     fn multiply(&self, x: &[f64], y: &mut [f64]) {
         let (all, owned) = (&self.all, y.len());
-        let [u, local] = &mut *self.work.borrow_mut();
+        let [u, ghosts] = &mut *self.work.borrow_mut();
         u[..owned].copy_from_slice(x);
         self.expand(u);
-        // Without ghosts the forces come together where they are wanted.
-        let force: &mut [f64] = if local.len() == owned { &mut *y } else { &mut *local };
-        force.fill(0.0);
-        all.cells.add_forces(CellSet::All, u, force, None);
-        self.add_law(u, force);
-        self.fold(force, None);
-        if local.len() > owned {
-            y.copy_from_slice(&local[..owned]);
-        }
+        y.fill(0.0);
+        ghosts.fill(0.0);
+        all.cells.add_forces_apart(u, y, ghosts);
+        let mut force = Apart { owned: &mut *y, ghosts };
+        self.add_law(u, &mut force);
+        self.fold_apart(force, None);
         self.for_identity_components(|own| y[own] = self.diagonal * x[own]);
     }
 

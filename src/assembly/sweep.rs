@@ -98,14 +98,15 @@ impl Sweep {
         self.batches.push(Batch { prototype, slots: slots as u16, first, gaps });
     }
 
-    /// Adds the forces K u of the cells to `force` (N), both `dim` numbers per local node;
-    /// `stiffness` gives the modal form of a prototype. `magnitude` gets the sum of the lengths of
-    /// the cells' nodal forces, one per local node. Local.
+    /// Adds the forces K u of the cells to `force` (N), both `dim` numbers per local node, the forces in
+    /// two parts: those of the first nodes, then those of the others. `stiffness` gives the modal
+    /// form of a prototype. `magnitude` gets the sum of the lengths of the cells' nodal forces, one
+    /// per local node. Local.
     pub fn add_forces<'a>(
         &self,
         stiffness: impl Fn(u16) -> &'a Modal,
         u: &[f64],
-        force: &mut [f64],
+        force: [&mut [f64]; 2],
         magnitude: Option<&mut [f64]>,
     ) {
         let sizes = magnitude.is_some();
@@ -125,7 +126,7 @@ struct Pass<'s, F> {
     sweep: &'s Sweep,
     stiffness: F,
     u: &'s [f64],
-    force: &'s mut [f64],
+    force: [&'s mut [f64]; 2],
     magnitude: &'s mut [f64],
 }
 
@@ -144,7 +145,7 @@ impl<'a, F: Fn(u16) -> &'a Modal, const DIM: usize, const L: usize, const SIZES:
             force: [[[0.0; PADDED]; MODES]; 3],
         };
         let u = u.as_chunks::<DIM>().0;
-        let force = force.as_chunks_mut::<DIM>().0;
+        let [first, others] = force.map(|part| part.as_chunks_mut::<DIM>().0);
         for batch in &sweep.batches {
             let slots = batch.slots as usize;
             let nodes = &sweep.nodes[batch.first as usize..][..slots * L];
@@ -183,7 +184,12 @@ impl<'a, F: Fn(u16) -> &'a Modal, const DIM: usize, const L: usize, const SIZES:
             for (line, nodes) in (0..L).zip(nodes.chunks_exact(slots)) {
                 let [x, y, z] = s.line.each_ref().map(|of_component| &of_component[line]);
                 for (((node, x), y), z) in nodes.iter().zip(x).zip(y).zip(z) {
-                    let target = &mut force[*node as usize];
+                    let node = *node as usize;
+                    let target = if node < first.len() {
+                        &mut first[node]
+                    } else {
+                        &mut others[node - first.len()]
+                    };
                     target[0] += x;
                     target[1] += y;
                     if DIM == 3 {

@@ -102,6 +102,11 @@ impl Nodes {
     /// Adds the ghosts' values to the owners' and clears the ghosts. Collective.
     pub fn add_to_owners(&self, values: &mut [f64], width: usize) {
         let (owned, ghosts) = values.split_at_mut(self.owned * width);
+        self.add_ghosts_to_owners(owned, ghosts, width);
+    }
+
+    /// As [`Nodes::add_to_owners`], with the two kinds of values apart. Collective.
+    pub fn add_ghosts_to_owners(&self, owned: &mut [f64], ghosts: &mut [f64], width: usize) {
         let mut incoming = vec![0.0; self.shared.len() * width];
         self.backward.exchange_wide(width, ghosts, &mut incoming);
         for (node, value) in self.shared.iter().zip(incoming.chunks_exact(width)) {
