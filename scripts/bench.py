@@ -12,7 +12,7 @@ from statistics import median
 import bench_check
 import bench_tables as tables
 from bench_measure import Bench, Failed
-from bench_scenes import ELASTIC, FULL, QUICK, tilted
+from bench_scenes import FULL, QUICK, tilted
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "performance.md"
 MARKS = ("<!-- bench -->", "<!-- /bench -->")
@@ -60,7 +60,7 @@ def ladder(options):
             for ranks in sorted(options.ranks, reverse=True):
                 linear = options.linear
                 for kind in ("eight", "elastic"):
-                    settings = [f"solver.linear={linear}"] + (ELASTIC if kind == "elastic" else [])
+                    settings = [f"solver.linear={linear}"] + (scene.elastic if kind == "elastic" else [])
                     run = bench.attempt(
                         f"{scene.name} {kind} on {ranks} rank(s)", kind, ranks, scene.unknowns, number,
                         lambda k=kind, n=ranks, s=settings: bench.ours(scene, n, k, number, s))

@@ -136,6 +136,7 @@ class Bench:
         return self.keep({
             "kind": f"raw-{solver}", "scene": scene.name, "ranks": ranks, "number": number, "solver": solver,
             "unknowns": printed["unknowns"], "wall": wall, "linear": printed["iterations"],
+            "assembly": printed["assembly_s"],
             "memory": printed["peak_memory_bytes"], "cpu": cpu,
         })
 

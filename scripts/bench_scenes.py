@@ -28,8 +28,9 @@ time: {{instants: [1, 2, 3, 4, 5, 6, 7, 8]}}
 output: {{fields: {fields}}}
 """
 
-# The elastic instant: the interface a perfect bond, the load of the third instant alone.
+# The elastic instant: the interface a perfect bond, the load of the third instant alone, in one step.
 ELASTIC = ["interfaces.0.law={tied: {}}", "time.instants=[3]"]
+ELASTIC_AXIAL = ELASTIC + ["boundary.1.displacement.x=0", "boundary.1.displacement.z=1.0e-3"]
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,10 @@ class Scene:
     once: bool = False
     checked: bool = False
     ladder: bool = False
+
+    @property
+    def elastic(self):
+        return ELASTIC_AXIAL if self.top == AXIAL else ELASTIC
 
     @property
     def raw_cells(self):

@@ -65,6 +65,15 @@ impl Discretization {
         self.secondary.partition_point(|r| (r.node as usize) < self.nodes.owned)
     }
 
+    /// The jump of a component at an entry of `secondary`, 0 where it has none (m); `u` holds the
+    /// displacements of all local nodes. Local.
+    pub fn jump(&self, index: usize, component: usize, u: &[f64]) -> f64 {
+        let rows = &self.secondary[index];
+        let Some(row) = &rows.rows[component] else { return 0.0 };
+        let at = |node: u32| u[node as usize * self.dim + component];
+        row.own * at(rows.node) + row.others.iter().map(|(n, a)| a * at(*n)).sum::<f64>()
+    }
+
     /// Calls `act` with node and component of every owned prescribed component. Local.
     ///
     /// # Errors

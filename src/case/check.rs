@@ -7,7 +7,7 @@ use super::file::{CaseFile, MaterialSection};
 use super::problems::Problems;
 use super::tree::Node;
 use super::{Case, Cells, InterfaceSpec, LawSpec, Material, MeshSpec, PhysicsDecision, SolverSpec};
-use super::{Form, Linear, supports};
+use super::{Form, Linear, Stability, supports};
 use crate::error::{Result, number_text};
 
 /// What is said of everything that the contract plans and the program cannot do yet.
@@ -341,6 +341,11 @@ impl Checker<'_> {
             && !matches!(solver.linear, Linear::Auto | Linear::Mumps)
         {
             self.add("solver.form", "saddle_point needs linear: mumps or auto");
+        }
+        if solver.form == Form::SaddlePoint
+            && matches!(solver.stability, Stability::Warn | Stability::Stop)
+        {
+            self.add("solver.stability", "needs form: condensed, whose tangent is symmetric");
         }
         let options = solver.petsc_options.trim();
         if !options.is_empty() && !options.starts_with('-') {

@@ -27,7 +27,7 @@ pub use material::{Material, Porous};
 pub use mesh::{Cells, MeshSpec};
 pub use output::{Expectation, Fields, OutputSpec, Probe};
 pub use schema::schema;
-pub use solver::{Form, Linear, SolverSpec};
+pub use solver::{Form, Linear, SolverSpec, Stability};
 pub use value::Value;
 
 use std::collections::BTreeSet;
@@ -137,10 +137,31 @@ impl Case {
         checker.case(file, path)
     }
 
+    /// The times between start and end, rising, at which a table bends: no step passes over one.
+    pub fn breakpoints(&self) -> Vec<f64> {
+        let of_interfaces = self.interfaces.iter().filter_map(|i| i.fluid_pressure.as_ref());
+        let of_boundary =
+            self.boundary.iter().flat_map(|b| b.displacement.iter().chain(&b.traction));
+        let mut values: Vec<&Value> = of_boundary.flatten().collect();
+        values.extend(of_interfaces.chain(&self.body_force));
+        match self.control.as_ref().map(|control| &control.kind) {
+            // The loads are those of one time.
+            Some(ControlKind::Dissipation(_)) => return Vec::new(),
+            Some(ControlKind::Opening(equals)) => values.push(equals),
+            None => {}
+        }
+        let mut times: Vec<f64> = values.iter().flat_map(|value| value.breakpoints()).collect();
+        times.retain(|time| self.start < *time && self.time.last().is_some_and(|end| time < end));
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        times
+    }
+
     /// The times at which loads and prescribed displacements are evaluated.
     pub fn load_times(&self) -> Vec<f64> {
         let of = |time: &f64| self.control.as_ref().map_or(*time, |c| c.load_time(*time));
-        let mut times: Vec<f64> = self.time.iter().map(of).collect();
+        let mut times: Vec<f64> = self.time.iter().map(of).chain(self.breakpoints()).collect();
+        times.sort_by(f64::total_cmp);
         times.dedup();
         times
     }

@@ -19,6 +19,8 @@ pub struct SolverSpec {
     pub petsc_options: String,
     /// The algebraic form of the interface equations.
     pub form: Form,
+    /// What is done about states that are not stable.
+    pub stability: Stability,
 }
 
 impl Default for SolverSpec {
@@ -29,6 +31,7 @@ impl Default for SolverSpec {
             max_newton: 30,
             petsc_options: String::new(),
             form: Form::Condensed,
+            stability: Stability::Auto,
         }
     }
 }
@@ -47,6 +50,23 @@ pub enum Linear {
     Hypre,
     /// Geometric multigrid without a matrix, over coarser lattices of the same column
     Multigrid,
+}
+
+/// What is done about states that are not stable: where the tangent of a softening state has a negative
+/// eigenvalue.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Stability {
+    /// States are tested where the linear solver meets an indefinite tangent, and reported; a smaller
+    /// step is tried where that may lead elsewhere
+    Auto,
+    /// Nothing is tested
+    Off,
+    /// All states that soften are tested and reported
+    Warn,
+    /// All states that soften are tested; a smaller step is tried, and where that is unstable too, the
+    /// run ends
+    Stop,
 }
 
 /// The algebraic form of the interface equations.

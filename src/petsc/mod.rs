@@ -20,7 +20,7 @@ pub use multigrid::{MultigridLevel, Smoother};
 pub use session::{Petsc, Stage};
 pub use shell::LinearOperator;
 pub use snes::{
-    FurtherSolve, LinearTolerance, NonlinearSystem, Snes, SnesReason, SolveReport, TangentChange,
-    Trial, Verdict,
+    FurtherSolve, LinearTolerance, NonlinearSystem, Snes, SnesReason, SolveReport, TangentAt,
+    TangentChange, Trial, Verdict,
 };
 pub use vector::{ReadView, Vector, WriteView};

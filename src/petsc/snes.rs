@@ -5,9 +5,11 @@
 mod callbacks;
 mod report;
 mod system;
+mod tangent;
 
 pub use report::{SnesReason, SolveReport};
 pub use system::{FurtherSolve, LinearTolerance, NonlinearSystem, TangentChange, Trial, Verdict};
+pub use tangent::TangentAt;
 
 use super::error::{c_string, check, forget};
 use super::linear::{Ksp, KspSetup, LinearFailure};

@@ -39,6 +39,9 @@ pub struct Report {
     pub linear_iterations: u64,
     /// 2-norm of the out-of-balance forces at every instant that was reached (N).
     pub residual_norms: Vec<f64>,
+    /// The accepted states that are not stable, in words.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub instabilities: Vec<String>,
     /// The linear solver.
     pub linear_solver: LinearSolver,
     /// Seconds by phase, of the slowest rank.
@@ -176,6 +179,7 @@ mod tests {
             newton_iterations: 9,
             linear_iterations: 9,
             residual_norms: vec![],
+            instabilities: Vec::new(),
             linear_solver: LinearSolver { choice: "mumps".into(), why: "small".into() },
             timings: Timings::default(),
             peak_memory_bytes: Some(1),

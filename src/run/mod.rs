@@ -248,6 +248,10 @@ impl Session<'_> {
                 newton_iterations: self.counts[0],
                 linear_iterations: self.counts[1],
                 residual_norms: self.residual_norms.clone(),
+                instabilities: {
+                    let found = model.stepper.instabilities.iter();
+                    found.map(|instability| instability.words(self.case)).collect()
+                },
                 linear_solver: LinearSolver {
                     choice: model.choice.preset.into(),
                     why: model.choice.why.clone(),

@@ -11,6 +11,7 @@ mod recycle;
 mod rigid;
 mod saddle;
 mod setup;
+mod stability;
 mod stepping;
 
 pub use energy::Energy;
@@ -18,4 +19,5 @@ pub use interfaces::{InterfaceState, NodeResponse};
 pub use linear::{LinearChoice, MULTIGRID};
 pub use problem::Problem;
 pub use setup::{Model, build};
+pub use stability::{Instability, Stability};
 pub use stepping::{Accepted, Stepper};

@@ -156,7 +156,7 @@ impl PathControl {
                 return -bulk[rows.node as usize * dim + c] / (row.weight * row.own);
             }
             let free = (0..dim).filter(|d| !response.state.stuck[*d]);
-            free.map(|d| response.state.tangent[c][d] * jump(all, index, d, &u)).sum()
+            free.map(|d| response.state.tangent[c][d] * all.jump(index, d, &u)).sum()
         };
         all.add_tractions(traction, &mut force);
         force.truncate(all.nodes.owned * dim);
@@ -230,7 +230,7 @@ impl PathControl {
                     sums[0] += row.weight;
                     sums[1] += row.weight * response.jump[normal];
                     for (sum, v) in sums[2..].iter_mut().zip(corrections) {
-                        *sum += row.weight * jump(all, index, normal, v);
+                        *sum += row.weight * all.jump(index, normal, v);
                     }
                 }
                 ControlKind::Dissipation(_) => {
@@ -261,7 +261,7 @@ impl PathControl {
                         let direction = weight * rate * own[c] / size;
                         sums[1] += direction * response.defect[c];
                         for (sum, v) in sums[2..].iter_mut().zip(corrections) {
-                            *sum += direction * jump(all, index, c, v);
+                            *sum += direction * all.jump(index, c, v);
                         }
                     }
                 }
@@ -270,12 +270,4 @@ impl PathControl {
         comm.sum(&mut sums);
         Sums { weight: sums[0], value: sums[1], changes: [sums[2], sums[3]] }
     }
-}
-
-/// The jump of a component at a secondary node, 0 where it has none (m).
-fn jump(all: &Discretization, index: usize, component: usize, u: &[f64]) -> f64 {
-    let rows = &all.secondary[index];
-    let Some(row) = &rows.rows[component] else { return 0.0 };
-    let at = |node: u32| u[node as usize * all.dim + component];
-    row.own * at(rows.node) + row.others.iter().map(|(n, a)| a * at(*n)).sum::<f64>()
 }

@@ -1,21 +1,20 @@
 //! From instant to instant, in one step where possible.
 
+mod along_path;
+
 use super::energy::{Energy, Work};
-use super::path::PathControl;
+use super::interfaces::NodeResponse;
 use super::problem::Problem;
 use super::saddle::{SaddlePoint, SaddleSystem};
-use crate::case::Case;
+use super::stability::{self, Instability};
+use crate::case::{Case, Stability};
 use crate::error::{Error, Result};
-use crate::petsc::{Snes, SnesReason, SolveReport, Vector};
+use crate::law::Branch;
+use crate::petsc::{Snes, SolveReport, Vector};
 use crate::space::Prescribed;
 
 /// A step is halved at most this often.
 const MOST_HALVINGS: u32 = 10;
-
-/// The load factor with which the onset of damage is looked for.
-const SMALL_FACTOR: f64 = 1e-6;
-/// So far below the onset a path starts.
-const BELOW: f64 = 1.0 - 1e-11;
 
 /// What it took to reach an instant.
 #[derive(Debug, Clone, Copy, Default)]
@@ -44,6 +43,13 @@ pub struct Stepper<'a> {
     /// The unknowns, the displacements first.
     x: Vector,
     prescribed: Prescribed,
+    breakpoints: Vec<f64>,
+    /// The accepted states that are not stable.
+    pub instabilities: Vec<Instability>,
+    /// Whether smaller steps are tried where states are unstable, though the case does not ask.
+    tries_smaller_steps: bool,
+    /// Whether conjugate gradients have met an indefinite tangent.
+    is_indefinite: bool,
     work: Work,
     time: f64,
     energy: Energy,
@@ -61,20 +67,47 @@ impl<'a> Stepper<'a> {
     ) -> Self {
         let work = Work::new(problem.all.nodes.owned * problem.all.dim);
         let (time, energy) = (case.start, Energy::default());
-        Self { problem, snes, case, saddle, x, prescribed, work, time, energy }
+        let breakpoints = case.breakpoints();
+        let instabilities = Vec::new();
+        Self {
+            problem,
+            snes,
+            case,
+            saddle,
+            x,
+            prescribed,
+            breakpoints,
+            instabilities,
+            tries_smaller_steps: case.solver.stability == Stability::Auto,
+            is_indefinite: false,
+            work,
+            time,
+            energy,
+        }
     }
 
-    /// Solves for the state at `instant`. A step that fails is halved; the instant itself is
-    /// always reached exactly. Collective.
+    /// Solves for the state at `instant`. A step that fails is halved; the instant itself, and the
+    /// times before at which a table bends, are always reached exactly. Collective.
     ///
     /// # Errors
     /// `Numerics` when the smallest step fails, with the reason and the place, and when a rupture
     /// leaves a body free; `Input` when a
     /// formula gives no finite number.
     pub fn advance(&mut self, instant: f64) -> Result<Accepted> {
+        let mut total = Accepted::default();
+        while self.time < instant {
+            let next = self.breakpoints.iter().find(|time| **time > self.time && **time < instant);
+            self.advance_without_bends(next.copied().unwrap_or(instant), &mut total)?;
+        }
+        total.energy = self.energy;
+        total.residual_norm = self.problem.residual_norm;
+        Ok(total)
+    }
+
+    /// As [`Stepper::advance`], to the next time at which a table bends.
+    fn advance_without_bends(&mut self, instant: f64, total: &mut Accepted) -> Result<()> {
         let smallest = (instant - self.time) / f64::from(1 << MOST_HALVINGS);
         let mut step = instant - self.time;
-        let mut total = Accepted::default();
         while self.time < instant {
             // Halving is exact, so the last step ends at the instant to the last bit.
             let target = if instant - self.time <= 1.5 * step { instant } else { self.time + step };
@@ -83,15 +116,39 @@ impl<'a> Stepper<'a> {
             let report = self.try_step(target)?;
             total.newton_iterations += report.iterations;
             total.linear_iterations += report.linear_iterations;
-            if report.reason.is_converged() {
+            let converged = report.reason.is_converged();
+            let alarm = report.negative_pivots > 0 || self.is_indefinite;
+            let unstable = if converged { self.instability(target, alarm)? } else { None };
+            let stops = self.case.solver.stability == Stability::Stop;
+            let cuts = unstable.as_ref().is_some_and(|found| {
+                let worth = step > 64.0 * smallest && found.may_depend_on_the_step();
+                stops || self.tries_smaller_steps && worth
+            });
+            if converged && !cuts {
                 self.refuse_freed_bodies(target)?;
                 self.accept(self.reached(target)?);
+                // Where a small step did not help, the next would not either.
+                self.tries_smaller_steps &=
+                    unstable.as_ref().is_none_or(|found| !found.may_depend_on_the_step());
+                if let Some(found) = unstable {
+                    tracing::warn!("warning: {}", found.words(self.case));
+                    self.instabilities.push(found);
+                }
                 total.steps += 1;
                 step *= 2.0;
                 continue;
             }
-            let why = self.reason(&report);
+            let why = match unstable {
+                Some(found) => found.words(self.case),
+                None => self.reason(&report),
+            };
             self.x.copy_from(&before)?;
+            if step <= smallest && converged {
+                return Err(Error::Numerics(format!(
+                    "{why}; a step of {step:e} from {} changes nothing (solver.stability: warn goes on)",
+                    self.time
+                )));
+            }
             if step <= smallest {
                 return Err(Error::Numerics(format!(
                     "no solution at time {target}, reached from {} with the smallest step {step:e} \
@@ -103,9 +160,7 @@ impl<'a> Stepper<'a> {
             tracing::info!("  step from {} to {target} failed: {why}; halved", self.time);
             step = 0.5 * (target - self.time);
         }
-        total.energy = self.energy;
-        total.residual_norm = self.problem.residual_norm;
-        Ok(total)
+        Ok(())
     }
 
     /// Force of the support on the body at each owned node with prescribed components, by the
@@ -144,6 +199,7 @@ impl<'a> Stepper<'a> {
             report.linear_iterations += linear;
         }
         if self.snes.try_indefinite(&report)? {
+            self.is_indefinite = true;
             let why = self.reason(&report);
             tracing::info!("  {why}: GMRES takes the place of conjugate gradients");
             // Newton's method goes on from the last state: its corrections are not lost.
@@ -174,114 +230,6 @@ impl<'a> Stepper<'a> {
         })
     }
 
-    /// A step of path following. From rest it starts where the first point is about to give way, to
-    /// which all loads are scaled: everything is linear up to there. Collective.
-    fn solve_path(&mut self, target: f64) -> Result<SolveReport> {
-        let Some(mut path) = self.problem.path.take() else {
-            return Err(Error::Bug("a step of a path without one".into()));
-        };
-        path.start(target);
-        let load_time = path.load_time(target);
-        let mut unit = self.x.duplicate()?;
-        std::mem::swap(&mut unit, &mut self.x);
-        let written = self.write_prescribed(load_time);
-        std::mem::swap(&mut unit, &mut self.x);
-        self.problem.comm.agree(written)?;
-        path.unit_displacement = self.prescribed_part(&unit)?;
-        self.problem.path = Some(path);
-        self.problem.set_load(load_time)?;
-        let undamaged = self.problem.interfaces.committed.iter().all(|kappa| *kappa == 0.0);
-        let mut corrections = [0; 2];
-        if !self.problem.comm.any(!undamaged) {
-            let report = self.load_to(SMALL_FACTOR)?;
-            corrections = [report.iterations, report.linear_iterations];
-            let share = self.problem.share_of_strength();
-            if !report.reason.is_converged() || share == 0.0 {
-                let words =
-                    "no interface is pulled or sheared by the loads: nothing ever gives way";
-                self.problem.convergence.failure.get_or_insert_with(|| words.into());
-                return Ok(SolveReport { reason: SnesReason::Stopped, ..report });
-            }
-            let scale = BELOW / share;
-            self.x.write()?.iter_mut().for_each(|x| *x *= scale);
-            let onset = self.load_to(SMALL_FACTOR * scale)?;
-            corrections[0] += onset.iterations;
-            corrections[1] += onset.linear_iterations;
-            if self.problem.path.as_ref().is_some_and(PathControl::asks_for_onset) {
-                return Ok(SolveReport {
-                    iterations: corrections[0],
-                    linear_iterations: corrections[1],
-                    ..onset
-                });
-            }
-        }
-        self.hold_factor(None)?;
-        self.problem.interfaces.lean = self.problem.path.as_ref().map_or(1.0, PathControl::lean);
-        let mut report = self.solve()?;
-        report.iterations += corrections[0];
-        report.linear_iterations += corrections[1];
-        Ok(report)
-    }
-
-    /// The time that a converged step to `target` has reached: the step that is to break an interface
-    /// may leave some of it. Collective.
-    fn reached(&self, target: f64) -> Result<f64> {
-        let Some(path) = self.problem.path.as_ref().filter(|path| path.breaks()) else {
-            return Ok(target);
-        };
-        let problem = &self.problem;
-        let value = path.value(problem.comm, &problem.all, &problem.interfaces);
-        if value > 1.0 - 1e-12 {
-            return Ok(target);
-        }
-        if value <= self.time + 1e-12 {
-            return Err(Error::Numerics(format!(
-                "the dissipated part of the energy grows no more at {value}: what is left of the \
-                 interface is not pulled any more"
-            )));
-        }
-        Ok(value)
-    }
-
-    /// Solves at a given load factor. Collective.
-    fn load_to(&mut self, factor: f64) -> Result<SolveReport> {
-        self.hold_factor(Some(factor))?;
-        self.solve()
-    }
-
-    /// Holds the load factor, or lets it follow, and writes the prescribed displacements.
-    fn hold_factor(&mut self, factor: Option<f64>) -> Result<()> {
-        let Some(path) = &mut self.problem.path else { return Ok(()) };
-        path.hold(factor);
-        let mut x = self.x.write()?;
-        self.problem.all.for_prescribed(|node, component| {
-            let i = node * self.problem.all.dim + component;
-            x[i] = path.factor * path.unit_displacement[i];
-            Ok(())
-        })?;
-        drop(x);
-        self.problem.scale_load();
-        Ok(())
-    }
-
-    /// The entries of a vector at prescribed components, 0 elsewhere.
-    fn prescribed_part(&self, of: &Vector) -> Result<Vec<f64>> {
-        let all = &self.problem.all;
-        let values = of.read()?;
-        let mut part = vec![0.0; values.len()];
-        all.for_prescribed(|node, component| {
-            let i = node * all.dim + component;
-            part[i] = values[i];
-            Ok(())
-        })?;
-        Ok(part)
-    }
-
-    /// What all loads are scaled by at the last accepted state.
-    pub fn load_factor(&self) -> f64 {
-        self.problem.path.as_ref().map_or(1.0, |path| path.factor)
-    }
-
     fn accept(&mut self, time: f64) {
         self.time = time;
         if let Some(path) = &mut self.problem.path {
@@ -290,6 +238,28 @@ impl<'a> Stepper<'a> {
         self.problem.convergence.accept(self.problem.comm);
         self.problem.interfaces.commit();
         self.energy = self.work.accept(&self.problem);
+    }
+
+    /// The instability of the state that was reached, where the case asks and something softens.
+    /// Path following goes through unstable states by its nature. Collective.
+    fn instability(&mut self, time: f64, alarm: bool) -> Result<Option<Instability>> {
+        let softens =
+            |r: &NodeResponse| matches!(r.branch, Branch::Softening | Branch::SofteningClosed);
+        let problem = &mut self.problem;
+        let tested = match self.case.solver.stability {
+            Stability::Off => false,
+            Stability::Auto => alarm && self.saddle.is_none(),
+            Stability::Warn | Stability::Stop => true,
+        } && problem.path.is_none();
+        let softening = problem.interfaces.response.iter().any(softens);
+        if !tested || !problem.comm.any(softening) {
+            return Ok(None);
+        }
+        let x = self.x.read()?.to_vec();
+        let mut tangent = self.snes.tangent_at(problem, &x)?;
+        let (comm, all, state) = (problem.comm, &problem.all, &problem.interfaces);
+        let found = stability::test(comm, all, state, &mut tangent)?;
+        Ok((!found.is_stable()).then_some(Instability { time, found }))
     }
 
     /// What may lie behind a step that fails however small it is. Collective.

@@ -12,4 +12,6 @@ mod reference;
 mod refinement;
 mod scene;
 mod shipped;
+mod stability;
+mod steps;
 mod units;

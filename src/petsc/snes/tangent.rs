@@ -1,0 +1,78 @@
+//! The tangent at an accepted state and what the solver has to precondition it, for tests of
+//! stability.
+
+#![allow(unsafe_code)]
+
+use super::super::error::check;
+use super::super::{Vector, ffi};
+use super::{NonlinearSystem, Snes, TangentChange};
+use crate::error::{Error, Result};
+
+/// The tangent at a state, with its preconditioner or factors.
+pub struct TangentAt<'s> {
+    snes: &'s Snes,
+    from: Vector,
+    to: Vector,
+    /// Pivots below zero, where the tangent was factored: the number of negative eigenvalues.
+    pub negative_pivots: Option<usize>,
+}
+
+impl Snes {
+    /// Sets up the tangent of `system` at `x`, the state it evaluated last. Collective.
+    ///
+    /// # Errors
+    /// Those of the system; `Numerics` when the set-up fails; `System` when PETSc fails.
+    pub fn tangent_at<S: NonlinearSystem>(
+        &mut self,
+        system: &mut S,
+        x: &[f64],
+    ) -> Result<TangentAt<'_>> {
+        let change = system.tangent(x, &mut self.matrix)?;
+        let (ksp, matrix) = (self.ksp.raw(), self.matrix.raw());
+        let keep = change == TangentChange::Unchanged
+            || change == TangentChange::ChangedKeepPreconditioner && self.ksp.is_iterative()?;
+        let keep = if keep { ffi::PETSC_TRUE } else { ffi::PETSC_FALSE };
+        // SAFETY: a valid solver and its own matrix.
+        unsafe {
+            check(ffi::KSPSetOperators(ksp, matrix, matrix), "KSPSetOperators")?;
+            check(ffi::KSPSetReusePreconditioner(ksp, keep), "KSPSetReusePreconditioner")?;
+            check(ffi::KSPSetUp(ksp), "KSPSetUp")?;
+        }
+        if let Some(infog) = self.ksp.mumps_infog(1)?.filter(|infog| *infog < 0) {
+            return Err(Error::Numerics(format!(
+                "the tangent could not be factored for the test of stability: MUMPS INFOG(1) = {infog}"
+            )));
+        }
+        // INFOG(12) of L D L^T: pivots below zero.
+        let factored = self.ksp.pc_type_name()? == "cholesky";
+        let pivots = if factored { self.ksp.mumps_infog(12)? } else { None };
+        let negative_pivots = pivots.map(|n| usize::try_from(n).unwrap_or(0));
+        let from = self.residual.duplicate()?;
+        let to = self.residual.duplicate()?;
+        Ok(TangentAt { snes: self, from, to, negative_pivots })
+    }
+}
+
+impl TangentAt<'_> {
+    /// The product with the tangent; owned entries. Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn multiply(&mut self, x: &[f64]) -> Result<Vec<f64>> {
+        self.from.write()?.copy_from_slice(x);
+        self.snes.matrix.multiply(&self.from, &mut self.to)?;
+        Ok(self.to.read()?.to_vec())
+    }
+
+    /// Applies the preconditioner or the factors; owned entries. Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn precondition(&mut self, r: &[f64]) -> Result<Vec<f64>> {
+        self.from.write()?.copy_from_slice(r);
+        let pc = self.snes.ksp.pc()?;
+        // SAFETY: a preconditioner that is set up, and two different valid vectors of its layout.
+        check(unsafe { ffi::PCApply(pc, self.from.raw(), self.to.raw()) }, "PCApply")?;
+        Ok(self.to.read()?.to_vec())
+    }
+}

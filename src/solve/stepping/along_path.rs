@@ -1,0 +1,121 @@
+//! Steps along a path, whose loads are scaled by a factor that follows from an interface.
+
+use super::Stepper;
+use crate::error::{Error, Result};
+use crate::petsc::{SnesReason, SolveReport, Vector};
+use crate::solve::path::PathControl;
+
+/// The load factor with which the onset of damage is looked for.
+const SMALL_FACTOR: f64 = 1e-6;
+/// So far below the onset a path starts.
+const BELOW: f64 = 1.0 - 1e-11;
+
+impl Stepper<'_> {
+    /// A step of path following. From rest it starts where the first point is about to give way, to
+    /// which all loads are scaled: everything is linear up to there. Collective.
+    pub(super) fn solve_path(&mut self, target: f64) -> Result<SolveReport> {
+        let Some(mut path) = self.problem.path.take() else {
+            return Err(Error::Bug("a step of a path without one".into()));
+        };
+        path.start(target);
+        let load_time = path.load_time(target);
+        let mut unit = self.x.duplicate()?;
+        std::mem::swap(&mut unit, &mut self.x);
+        let written = self.write_prescribed(load_time);
+        std::mem::swap(&mut unit, &mut self.x);
+        self.problem.comm.agree(written)?;
+        path.unit_displacement = self.prescribed_part(&unit)?;
+        self.problem.path = Some(path);
+        self.problem.set_load(load_time)?;
+        let undamaged = self.problem.interfaces.committed.iter().all(|kappa| *kappa == 0.0);
+        let mut corrections = [0; 2];
+        if !self.problem.comm.any(!undamaged) {
+            let report = self.load_to(SMALL_FACTOR)?;
+            corrections = [report.iterations, report.linear_iterations];
+            let share = self.problem.share_of_strength();
+            if !report.reason.is_converged() || share == 0.0 {
+                let words =
+                    "no interface is pulled or sheared by the loads: nothing ever gives way";
+                self.problem.convergence.failure.get_or_insert_with(|| words.into());
+                return Ok(SolveReport { reason: SnesReason::Stopped, ..report });
+            }
+            let scale = BELOW / share;
+            self.x.write()?.iter_mut().for_each(|x| *x *= scale);
+            let onset = self.load_to(SMALL_FACTOR * scale)?;
+            corrections[0] += onset.iterations;
+            corrections[1] += onset.linear_iterations;
+            if self.problem.path.as_ref().is_some_and(PathControl::asks_for_onset) {
+                return Ok(SolveReport {
+                    iterations: corrections[0],
+                    linear_iterations: corrections[1],
+                    ..onset
+                });
+            }
+        }
+        self.hold_factor(None)?;
+        self.problem.interfaces.lean = self.problem.path.as_ref().map_or(1.0, PathControl::lean);
+        let mut report = self.solve()?;
+        report.iterations += corrections[0];
+        report.linear_iterations += corrections[1];
+        Ok(report)
+    }
+
+    /// The time that a converged step to `target` has reached: the step that is to break an interface
+    /// may leave some of it. Collective.
+    pub(super) fn reached(&self, target: f64) -> Result<f64> {
+        let Some(path) = self.problem.path.as_ref().filter(|path| path.breaks()) else {
+            return Ok(target);
+        };
+        let problem = &self.problem;
+        let value = path.value(problem.comm, &problem.all, &problem.interfaces);
+        if value > 1.0 - 1e-12 {
+            return Ok(target);
+        }
+        if value <= self.time + 1e-12 {
+            return Err(Error::Numerics(format!(
+                "the dissipated part of the energy grows no more at {value}: what is left of the \
+                 interface is not pulled any more"
+            )));
+        }
+        Ok(value)
+    }
+
+    /// Solves at a given load factor. Collective.
+    fn load_to(&mut self, factor: f64) -> Result<SolveReport> {
+        self.hold_factor(Some(factor))?;
+        self.solve()
+    }
+
+    /// Holds the load factor, or lets it follow, and writes the prescribed displacements.
+    fn hold_factor(&mut self, factor: Option<f64>) -> Result<()> {
+        let Some(path) = &mut self.problem.path else { return Ok(()) };
+        path.hold(factor);
+        let mut x = self.x.write()?;
+        self.problem.all.for_prescribed(|node, component| {
+            let i = node * self.problem.all.dim + component;
+            x[i] = path.factor * path.unit_displacement[i];
+            Ok(())
+        })?;
+        drop(x);
+        self.problem.scale_load();
+        Ok(())
+    }
+
+    /// The entries of a vector at prescribed components, 0 elsewhere.
+    fn prescribed_part(&self, of: &Vector) -> Result<Vec<f64>> {
+        let all = &self.problem.all;
+        let values = of.read()?;
+        let mut part = vec![0.0; values.len()];
+        all.for_prescribed(|node, component| {
+            let i = node * all.dim + component;
+            part[i] = values[i];
+            Ok(())
+        })?;
+        Ok(part)
+    }
+
+    /// What all loads are scaled by at the last accepted state.
+    pub fn load_factor(&self) -> f64 {
+        self.problem.path.as_ref().map_or(1.0, |path| path.factor)
+    }
+}
