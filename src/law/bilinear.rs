@@ -3,8 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::softening::{Envelope, not_positive, recoverable, respond};
-use super::{InterfaceLaw, Local, Response};
+use super::softening::{Envelope, not_positive};
 use crate::error::number_text;
 
 /// Elastic with an initial stiffness K up to the strength at the jump $\delta_0 = \sigma_c/K$, then
@@ -43,6 +42,40 @@ impl Bilinear {
 }
 
 impl Envelope for Bilinear {
+    fn strength_and_energy(&self) -> (f64, f64) {
+        (self.strength, self.fracture_energy)
+    }
+
+    fn stiffness_of_augmentation(&self) -> f64 {
+        let slope = self.strength * self.strength / self.fracture_energy;
+        // The slope that the augmentation must exceed grows as the initial stiffness falls.
+        self.augmentation * slope / (1.0 - self.elastic_part())
+    }
+
+    fn dissipated_part(&self, jump: f64) -> f64 {
+        let first = self.elastic_part();
+        ((jump / self.critical_jump() - first) / (1.0 - first)).max(0.0)
+    }
+
+    fn mistakes(&self) -> Vec<String> {
+        let mut problems = not_positive(&[("stiffness", self.stiffness)]);
+        if problems.is_empty() && self.elastic_part() >= 1.0 {
+            problems.push(format!(
+                "stiffness must be above {} Pa/m, or the interface takes more than fracture_energy \
+                 before it reaches its strength, got {}",
+                number_text(0.5 * self.strength * self.strength / self.fracture_energy),
+                number_text(self.stiffness)
+            ));
+        }
+        if !(self.augmentation.is_finite() && self.augmentation > 0.5) {
+            problems.push(format!(
+                "augmentation must be above 0.5, or the response to a traction is not unique, got {}",
+                number_text(self.augmentation)
+            ));
+        }
+        problems
+    }
+
     fn elastic_jump(&self) -> f64 {
         self.strength / self.stiffness
     }
@@ -65,73 +98,9 @@ impl Envelope for Bilinear {
     }
 }
 
-impl InterfaceLaw for Bilinear {
-    fn respond(&self, p: Local, augmentation: f64, history: f64, dim: usize) -> Response {
-        respond(self, p, augmentation, history, dim)
-    }
-
-    fn augmentation(&self, _stiffness: f64) -> f64 {
-        let slope = self.strength * self.strength / self.fracture_energy;
-        // The slope that the augmentation must exceed grows as the initial stiffness falls.
-        self.augmentation * slope / (1.0 - self.elastic_part())
-    }
-
-    fn jump_scale(&self) -> Option<f64> {
-        Some(self.critical_jump())
-    }
-
-    fn strength(&self) -> Option<f64> {
-        Some(self.strength)
-    }
-
-    fn damage(&self, history: f64) -> f64 {
-        let (kappa, first) = (history / self.critical_jump(), self.elastic_part());
-        ((kappa - first) / (1.0 - first)).clamp(0.0, 1.0)
-    }
-
-    fn dissipated(&self, history: f64) -> f64 {
-        self.fracture_energy * self.damage(history)
-    }
-
-    fn recoverable(&self, jump: Local, history: f64) -> f64 {
-        recoverable(self, jump, history)
-    }
-
-    fn holds_opening(&self, history: f64) -> bool {
-        history < self.critical_jump()
-    }
-
-    fn holds_sliding(&self, history: f64) -> bool {
-        history < self.critical_jump()
-    }
-
-    fn check(&self) -> Vec<String> {
-        let mut problems = not_positive(&[
-            ("strength", self.strength),
-            ("fracture_energy", self.fracture_energy),
-            ("stiffness", self.stiffness),
-        ]);
-        if problems.is_empty() && self.elastic_part() >= 1.0 {
-            problems.push(format!(
-                "stiffness must be above {} Pa/m, or the interface takes more than fracture_energy \
-                 before it reaches its strength, got {}",
-                number_text(0.5 * self.strength * self.strength / self.fracture_energy),
-                number_text(self.stiffness)
-            ));
-        }
-        if !(self.augmentation.is_finite() && self.augmentation > 0.5) {
-            problems.push(format!(
-                "augmentation must be above 0.5, or the response to a traction is not unique, got {}",
-                number_text(self.augmentation)
-            ));
-        }
-        problems
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::Branch;
+    use super::super::{Branch, InterfaceLaw};
     use super::super::testkit::{Samples, respond_to_jump};
     use super::*;
 
@@ -168,7 +137,7 @@ mod tests {
     #[test]
     fn tractions_rise_with_the_stiffness_and_fall_on_the_line() {
         let law = Bilinear::samples().swap_remove(0);
-        let r = InterfaceLaw::augmentation(&law, 0.0);
+        let r = law.stiffness_of_augmentation();
         let (first, last) = (1.1e6 / 1.0e11, 2.0 * 900.0 / 1.1e6);
         for (jump, exact) in [
             (0.5 * first, 0.55e6),

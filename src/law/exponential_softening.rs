@@ -3,8 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::softening::{Envelope, not_positive, recoverable, respond};
-use super::{InterfaceLaw, Local, Response};
+use super::softening::Envelope;
 use crate::error::number_text;
 
 /// Exact adhesion up to the strength, then softening of the traction along the jump as
@@ -42,19 +41,42 @@ impl ExponentialSoftening {
     fn length(&self) -> f64 {
         self.fracture_energy / self.strength
     }
-
-    /// Part of the fracture energy that is dissipated: the area under the envelope less the triangle
-    /// that unloading gives back.
-    fn dissipated_part(&self, history: f64) -> f64 {
-        if history >= self.critical_jump() {
-            return 1.0;
-        }
-        let x = history / self.length();
-        -(-x).exp_m1() - 0.5 * x * (-x).exp()
-    }
 }
 
 impl Envelope for ExponentialSoftening {
+    fn strength_and_energy(&self) -> (f64, f64) {
+        (self.strength, self.fracture_energy)
+    }
+
+    fn stiffness_of_augmentation(&self) -> f64 {
+        self.augmentation * self.strength * self.strength / self.fracture_energy
+    }
+
+    /// The area under the envelope less the triangle that unloading gives back.
+    fn dissipated_part(&self, jump: f64) -> f64 {
+        let x = jump / self.length();
+        -(-x).exp_m1() - 0.5 * x * (-x).exp()
+    }
+
+    fn mistakes(&self) -> Vec<String> {
+        let mut problems = Vec::new();
+        if !(self.augmentation.is_finite() && self.augmentation > 1.0) {
+            let unit = self.strength / self.length();
+            problems.push(format!(
+                "augmentation must be above 1: r = {} Pa/m has to exceed the steepest slope of the \
+                 softening {} Pa/m, got {}",
+                number_text(self.augmentation * unit),
+                number_text(unit),
+                number_text(self.augmentation)
+            ));
+        }
+        problems
+    }
+
+    fn unit_jump(&self) -> f64 {
+        2.0 * self.length()
+    }
+
     fn elastic_jump(&self) -> f64 {
         0.0
     }
@@ -86,69 +108,9 @@ impl Envelope for ExponentialSoftening {
     }
 }
 
-impl InterfaceLaw for ExponentialSoftening {
-    fn respond(&self, p: Local, augmentation: f64, history: f64, dim: usize) -> Response {
-        respond(self, p, augmentation, history, dim)
-    }
-
-    fn augmentation(&self, _stiffness: f64) -> f64 {
-        self.augmentation * self.strength * self.strength / self.fracture_energy
-    }
-
-    fn jump_scale(&self) -> Option<f64> {
-        Some(self.critical_jump())
-    }
-
-    fn typical_jump(&self) -> Option<f64> {
-        Some(2.0 * self.length())
-    }
-
-    fn strength(&self) -> Option<f64> {
-        Some(self.strength)
-    }
-
-    fn damage(&self, history: f64) -> f64 {
-        self.dissipated_part(history)
-    }
-
-    fn dissipated(&self, history: f64) -> f64 {
-        self.fracture_energy * self.dissipated_part(history)
-    }
-
-    fn recoverable(&self, jump: Local, history: f64) -> f64 {
-        recoverable(self, jump, history)
-    }
-
-    fn holds_opening(&self, history: f64) -> bool {
-        history < self.critical_jump()
-    }
-
-    fn holds_sliding(&self, history: f64) -> bool {
-        history < self.critical_jump()
-    }
-
-    fn check(&self) -> Vec<String> {
-        let mut problems = not_positive(&[
-            ("strength", self.strength),
-            ("fracture_energy", self.fracture_energy),
-        ]);
-        if !(self.augmentation.is_finite() && self.augmentation > 1.0) {
-            let unit = self.strength / self.length();
-            problems.push(format!(
-                "augmentation must be above 1: r = {} Pa/m has to exceed the steepest slope of the \
-                 softening {} Pa/m, got {}",
-                number_text(self.augmentation * unit),
-                number_text(unit),
-                number_text(self.augmentation)
-            ));
-        }
-        problems
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::Branch;
+    use super::super::{Branch, InterfaceLaw};
     use super::super::testkit::{Samples, respond_to_jump};
     use super::*;
 
@@ -177,7 +139,7 @@ mod tests {
     #[test]
     fn tractions_follow_the_exponential_and_unload_to_the_origin() {
         let law = ExponentialSoftening::samples().swap_remove(0);
-        let r = InterfaceLaw::augmentation(&law, 0.0);
+        let r = law.stiffness_of_augmentation();
         for size in [1e-5, 3e-4, 2e-3] {
             let jump = [0.6 * size, -0.8 * size, 0.0];
             let full = respond_to_jump(&law, r, jump, 0.0, 3).expect("a jump of the envelope");

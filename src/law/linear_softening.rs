@@ -3,8 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::softening::{Envelope, not_positive, recoverable, respond};
-use super::{InterfaceLaw, Local, Response};
+use super::softening::Envelope;
 use crate::error::number_text;
 
 /// Exact adhesion up to the strength, then linear softening of the traction along the jump to
@@ -44,6 +43,33 @@ impl LinearSoftening {
 }
 
 impl Envelope for LinearSoftening {
+    fn strength_and_energy(&self) -> (f64, f64) {
+        (self.strength, self.fracture_energy)
+    }
+
+    fn stiffness_of_augmentation(&self) -> f64 {
+        self.augmentation * self.strength * self.strength / self.fracture_energy
+    }
+
+    fn dissipated_part(&self, jump: f64) -> f64 {
+        jump / self.critical_jump()
+    }
+
+    fn mistakes(&self) -> Vec<String> {
+        let mut problems = Vec::new();
+        if !(self.augmentation.is_finite() && self.augmentation > 0.5) {
+            // r = augmentation sigma_c^2 / G_c must exceed the slope h = sigma_c^2 / (2 G_c).
+            problems.push(format!(
+                "augmentation must be above 0.5: r = {} Pa/m has to exceed the softening slope {} \
+                 Pa/m, got {}",
+                number_text(self.stiffness_of_augmentation()),
+                number_text(self.softening_slope()),
+                number_text(self.augmentation)
+            ));
+        }
+        problems
+    }
+
     fn elastic_jump(&self) -> f64 {
         0.0
     }
@@ -62,62 +88,6 @@ impl Envelope for LinearSoftening {
 
     fn jump_under(&self, q: f64, r: f64) -> f64 {
         (q - self.strength) / (r - self.softening_slope())
-    }
-}
-
-impl InterfaceLaw for LinearSoftening {
-    fn respond(&self, p: Local, augmentation: f64, history: f64, dim: usize) -> Response {
-        respond(self, p, augmentation, history, dim)
-    }
-
-    fn augmentation(&self, _stiffness: f64) -> f64 {
-        self.augmentation * self.strength * self.strength / self.fracture_energy
-    }
-
-    fn jump_scale(&self) -> Option<f64> {
-        Some(self.critical_jump())
-    }
-
-    fn strength(&self) -> Option<f64> {
-        Some(self.strength)
-    }
-
-    fn damage(&self, history: f64) -> f64 {
-        (history / self.critical_jump()).min(1.0)
-    }
-
-    fn dissipated(&self, history: f64) -> f64 {
-        self.fracture_energy * self.damage(history)
-    }
-
-    fn recoverable(&self, jump: Local, history: f64) -> f64 {
-        recoverable(self, jump, history)
-    }
-
-    fn holds_opening(&self, history: f64) -> bool {
-        history < self.critical_jump()
-    }
-
-    fn holds_sliding(&self, history: f64) -> bool {
-        history < self.critical_jump()
-    }
-
-    fn check(&self) -> Vec<String> {
-        let mut problems = not_positive(&[
-            ("strength", self.strength),
-            ("fracture_energy", self.fracture_energy),
-        ]);
-        if !(self.augmentation.is_finite() && self.augmentation > 0.5) {
-            // r = augmentation sigma_c^2 / G_c must exceed the slope h = sigma_c^2 / (2 G_c).
-            problems.push(format!(
-                "augmentation must be above 0.5: r = {} Pa/m has to exceed the softening slope {} \
-                 Pa/m, got {}",
-                number_text(InterfaceLaw::augmentation(self, 0.0)),
-                number_text(self.softening_slope()),
-                number_text(self.augmentation)
-            ));
-        }
-        problems
     }
 }
 

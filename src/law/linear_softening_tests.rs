@@ -1,6 +1,6 @@
 #![allow(clippy::needless_range_loop)] // index notation, as in the formulas
 
-use super::super::Branch;
+use super::super::{Branch, InterfaceLaw, Local};
 use super::super::testkit::{Samples, respond_to_jump};
 use super::*;
 

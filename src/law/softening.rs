@@ -4,18 +4,36 @@
 //! equivalent jump so far, and below that jump it is proportional to the jump. One strength and one
 //! fracture energy serve all modes; contact is without friction, whatever the damage.
 
-use super::{Branch, Local, LocalMatrix, Response};
+use super::{Branch, InterfaceLaw, Local, LocalMatrix, Response};
 use crate::error::number_text;
 
 /// Equivalent jumps below this fraction of the critical one count as none: their secant is as good
 /// as rigid, and as a number it would only spoil the conditioning.
-pub(super) const SMALLEST_JUMP: f64 = 1.0e-12;
+const SMALLEST_JUMP: f64 = 1.0e-12;
 
 /// A state this close to the threshold counts as below it: rounding only.
 const THRESHOLD_TIE: f64 = 16.0 * f64::EPSILON;
 
 /// How the largest traction falls with the largest equivalent jump.
-pub(super) trait Envelope {
+pub trait Envelope {
+    /// The largest traction (Pa) and the energy of full rupture (J/m2).
+    fn strength_and_energy(&self) -> (f64, f64);
+
+    /// The augmentation r, Pa/m; more than the steepest fall of the envelope.
+    fn stiffness_of_augmentation(&self) -> f64;
+
+    /// The part of the energy of full rupture that is dissipated up to a largest jump below the
+    /// critical one.
+    fn dissipated_part(&self, jump: f64) -> f64;
+
+    /// What is wrong with the parameters, each positive.
+    fn mistakes(&self) -> Vec<String>;
+
+    /// The jump by which errors of jumps are measured, m.
+    fn unit_jump(&self) -> f64 {
+        self.critical_jump()
+    }
+
     /// The equivalent jump up to which nothing is damaged, m; zero where adhesion is exact.
     fn elastic_jump(&self) -> f64;
 
@@ -39,7 +57,7 @@ pub(super) trait Envelope {
 /// first correction after a commit takes the secant, which is exact for a reversal and leaves the
 /// softening branch to the next correction of a further loading. For this the first iterate must be
 /// evaluated at the very `p` that was committed.
-pub(super) fn respond(law: &impl Envelope, p: Local, r: f64, history: f64, dim: usize) -> Response {
+fn respond(law: &impl Envelope, p: Local, r: f64, history: f64, dim: usize) -> Response {
     let critical = law.critical_jump();
     let smallest = SMALLEST_JUMP * critical;
     let closed = p[0] <= 0.0;
@@ -81,15 +99,61 @@ pub(super) fn respond(law: &impl Envelope, p: Local, r: f64, history: f64, dim: 
     }
 }
 
-/// Energy per area that unloading gives back, J/m2.
-pub(super) fn recoverable(law: &impl Envelope, jump: Local, history: f64) -> f64 {
-    let critical = law.critical_jump();
-    let kappa = history.max(law.elastic_jump());
-    if kappa < SMALLEST_JUMP * critical || kappa >= critical {
-        return 0.0;
+impl<E: Envelope> InterfaceLaw for E {
+    fn respond(&self, p: Local, augmentation: f64, history: f64, dim: usize) -> Response {
+        respond(self, p, augmentation, history, dim)
     }
-    let opened = norm([jump[0].max(0.0), jump[1], jump[2]]);
-    0.5 * law.secant(kappa) * opened * opened
+
+    fn augmentation(&self, _stiffness: f64) -> f64 {
+        self.stiffness_of_augmentation()
+    }
+
+    fn jump_scale(&self) -> Option<f64> {
+        Some(self.critical_jump())
+    }
+
+    fn typical_jump(&self) -> Option<f64> {
+        Some(self.unit_jump())
+    }
+
+    fn strength(&self) -> Option<f64> {
+        Some(self.strength_and_energy().0)
+    }
+
+    /// The dissipated part of the energy of full rupture.
+    fn damage(&self, history: f64) -> f64 {
+        if history >= self.critical_jump() { 1.0 } else { self.dissipated_part(history) }
+    }
+
+    fn dissipated(&self, history: f64) -> f64 {
+        self.strength_and_energy().1 * self.damage(history)
+    }
+
+    fn recoverable(&self, jump: Local, history: f64) -> f64 {
+        let critical = self.critical_jump();
+        let kappa = history.max(self.elastic_jump());
+        if kappa < SMALLEST_JUMP * critical || kappa >= critical {
+            return 0.0;
+        }
+        let opened = norm([jump[0].max(0.0), jump[1], jump[2]]);
+        0.5 * self.secant(kappa) * opened * opened
+    }
+
+    fn holds_opening(&self, history: f64) -> bool {
+        history < self.critical_jump()
+    }
+
+    fn holds_sliding(&self, history: f64) -> bool {
+        history < self.critical_jump()
+    }
+
+    fn check(&self) -> Vec<String> {
+        let (strength, fracture_energy) = self.strength_and_energy();
+        let mut problems =
+            not_positive(&[("strength", strength), ("fracture_energy", fracture_energy)]);
+        problems.extend(self.mistakes());
+        problems
+    }
 }
 
 /// What is wrong with parameters that must be positive, by name.
