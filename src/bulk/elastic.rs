@@ -1,4 +1,4 @@
-//! Isotropic linear elasticity on first-order cells, fully integrated.
+//! Isotropic linear elasticity on first-order cells, fully integrated or with mean dilatation.
 //!
 //! Small strain, plane strain in 2D. All cells are boxes; those of one size and material are
 //! identical up to translation and share one stiffness.
@@ -39,8 +39,15 @@ pub struct Stiffness {
 
 impl Stiffness {
     /// K = integral of B^T D B over the box, by the 2-point Gauss rule per direction, which is
-    /// exact for a box.
-    pub fn new(prototype: &Prototype, elastic: Elastic, dim: usize) -> Self {
+    /// exact for a box. With `b_bar` the volumetric strain is replaced by its mean over the box,
+    /// so that nearly incompressible material does not lock (T. Hughes, Int. J. Numer. Methods Engrg.
+    /// 15, 1980).
+    pub fn new(prototype: &Prototype, elastic: Elastic, dim: usize, b_bar: bool) -> Self {
+        // Of sigma = lambda tr(eps) 1 + 2 mu eps the share of the first term that acts on the strain
+        // at a point, and that acts on its mean.
+        let third = 2.0 / 3.0 * elastic.mu;
+        let (at_points, on_mean) =
+            if b_bar { (-third, elastic.lambda + third) } else { (elastic.lambda, 0.0) };
         let shape = if dim == 2 { Shape::Quad4 } else { Shape::Hex8 };
         let size: Vec<f64> = axes(dim).iter().map(|a| prototype.size[*a]).collect();
         let corners: Vec<[f64; 3]> = shape
@@ -59,7 +66,7 @@ impl Stiffness {
                     for i in 0..dim {
                         for j in 0..dim {
                             let diagonal = if i == j { elastic.mu * dot } else { 0.0 };
-                            let k = elastic.lambda * ga[i] * gb[j] + elastic.mu * ga[j] * gb[i];
+                            let k = at_points * ga[i] * gb[j] + elastic.mu * ga[j] * gb[i];
                             matrix[(a * dim + i) * n * dim + b * dim + j] +=
                                 weight * (k + diagonal);
                         }
@@ -67,7 +74,14 @@ impl Stiffness {
                 }
             }
         }
+        // The mean gradient of a box is that at its centre.
         let (centre, _) = physical_gradients(shape, &corners, [0.0; 3], dim);
+        let volume: f64 = size.iter().product();
+        for (row, (a, i)) in (0..n).flat_map(|a| (0..dim).map(move |i| (a, i))).enumerate() {
+            for (column, (b, j)) in (0..n).flat_map(|b| (0..dim).map(move |j| (b, j))).enumerate() {
+                matrix[row * n * dim + column] += on_mean * volume * centre[a][i] * centre[b][j];
+            }
+        }
         let modal = Modal::new(&matrix, shape.vertices(), dim)
             .expect("a box of isotropic material is diagonal by modes");
         Self { dim, elastic, matrix, modal, centre }
@@ -125,10 +139,12 @@ mod tests {
 
     const SIZE: [f64; 3] = [0.5, 0.25, 2.0];
 
-    fn stiffness(dim: usize) -> Stiffness {
+    fn stiffness(dim: usize, b_bar: bool) -> Stiffness {
         let size = if dim == 2 { [SIZE[0], 1.0, SIZE[2]] } else { SIZE };
-        Stiffness::new(&Prototype { size, material: 0 }, Elastic::new(5.8e9, 0.3), dim)
+        Stiffness::new(&Prototype { size, material: 0 }, Elastic::new(5.8e9, 0.3), dim, b_bar)
     }
+
+    const BOTH: [(usize, bool); 4] = [(2, false), (3, false), (2, true), (3, true)];
 
     /// Nodal values of the linear field u_i = sum_j h_ij x_j on the box centred at 0.
     fn linear(dim: usize, h: [[f64; 3]; 3]) -> Vec<f64> {
@@ -146,8 +162,8 @@ mod tests {
 
     #[test]
     fn rigid_motions_need_no_force() {
-        for dim in [2, 3] {
-            let k = stiffness(dim);
+        for (dim, b_bar) in BOTH {
+            let k = stiffness(dim, b_bar);
             let turn = linear(dim, [[0.0, -1.0, 2.0], [1.0, 0.0, 0.5], [-2.0, -0.5, 0.0]]);
             let shift: Vec<f64> =
                 turn.iter().enumerate().map(|(i, u)| u + (i % dim) as f64).collect();
@@ -158,10 +174,26 @@ mod tests {
         }
     }
 
+    /// Bending: the volumetric strain changes its sign across the box, and its mean is zero.
+    #[test]
+    fn bending_of_nearly_incompressible_material_is_soft() {
+        let energy = |nu: f64, b_bar: bool| {
+            let prototype = Prototype { size: [1.0; 3], material: 0 };
+            let k = Stiffness::new(&prototype, Elastic::new(1.0, nu), 3, b_bar);
+            let corners = Shape::Hex8.vertices();
+            let u: Vec<f64> = corners.iter().flat_map(|v| [v[0] * v[2], 0.0, 0.0]).collect();
+            let mut f = vec![0.0; u.len()];
+            k.force(&u, &mut f);
+            f.iter().zip(&u).map(|(f, u)| f * u).sum::<f64>()
+        };
+        assert!(energy(0.4999, false) > 100.0 * energy(0.0, false));
+        assert!(energy(0.4999, true) < 2.0 * energy(0.0, true));
+    }
+
     #[test]
     fn energy_of_a_constant_strain_is_exact() {
-        for dim in [2, 3] {
-            let k = stiffness(dim);
+        for (dim, b_bar) in BOTH {
+            let k = stiffness(dim, b_bar);
             let y = if dim == 2 { 0.0 } else { 1.0 };
             let h = [[1e-3, 2e-4 * y, -3e-4], [1e-4 * y, 5e-4 * y, 0.0], [2e-4, 7e-4 * y, -4e-4]];
             let u = linear(dim, h);

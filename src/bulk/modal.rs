@@ -70,10 +70,11 @@ mod tests {
 
     #[test]
     fn the_modal_form_gives_the_forces_of_the_matrix() {
-        for (dim, shape) in [(2, Shape::Quad4), (3, Shape::Hex8)] {
+        let shapes = [(2, Shape::Quad4), (3, Shape::Hex8)];
+        for ((dim, shape), b_bar) in shapes.into_iter().flat_map(|s| [(s, false), (s, true)]) {
             let prototype =
                 Prototype { size: [0.5, if dim == 2 { 1.0 } else { 0.3 }, 0.2], material: 0 };
-            let stiffness = Stiffness::new(&prototype, Elastic::new(5.8e9, 0.3), dim);
+            let stiffness = Stiffness::new(&prototype, Elastic::new(5.8e9, 0.3), dim, b_bar);
             let corners = shape.vertices();
             let modal = &stiffness.modal;
             let n = corners.len();

@@ -99,8 +99,12 @@ impl Checker<'_> {
         if section.order != 1 {
             self.add("mesh.order", format!("{} {LATER}", section.order));
         }
-        let nothing =
-            MeshSpec { size: vec![1.0; 2], cells: Cells::Whole([1; 3]), refine: section.refine };
+        let nothing = MeshSpec {
+            size: vec![1.0; 2],
+            cells: Cells::Whole([1; 3]),
+            formulation: section.formulation,
+            refine: section.refine,
+        };
         let Some(column) = &section.column else {
             if section.file.is_none() {
                 self.add("mesh", "needs a column");
@@ -132,7 +136,8 @@ impl Checker<'_> {
                 return nothing;
             }
         };
-        MeshSpec { size: column.size.clone(), cells, refine: section.refine }
+        let formulation = section.formulation;
+        MeshSpec { size: column.size.clone(), cells, formulation, refine: section.refine }
     }
 
     fn grid(&mut self, path: &str, cells: &[u64]) -> [usize; 3] {

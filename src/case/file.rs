@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::boundary::Surface;
 use super::interface::Side;
 use super::material::Porous;
+use super::mesh::Formulation;
 use super::solver::SolverSpec;
 use crate::law::LawSpec;
 
@@ -74,6 +75,9 @@ pub(super) struct MeshSection {
     #[serde(default = "one")]
     #[schemars(range(min = 1, max = 2))]
     pub order: u32,
+    /// How first-order cells are integrated.
+    #[serde(default)]
+    pub formulation: Formulation,
     /// Uniform refinements after distribution.
     #[serde(default)]
     #[schemars(range(max = 20))]

@@ -1,5 +1,8 @@
 //! The column and its cells.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 /// A column that stands on z = 0, and how it is cut into cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshSpec {
@@ -7,8 +10,23 @@ pub struct MeshSpec {
     pub size: Vec<f64>,
     /// The cells before refinement.
     pub cells: Cells,
+    /// How the cells are integrated.
+    pub formulation: Formulation,
     /// How many times the mesh is refined uniformly; each halves the cells along every axis.
     pub refine: u32,
+}
+
+/// How first-order cells are integrated.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Formulation {
+    /// B-bar in materials whose poisson_ratio is above 0.45, else full
+    #[default]
+    Auto,
+    /// Full integration, which locks when the material is nearly incompressible
+    Full,
+    /// The mean of the volumetric strain in every cell
+    BBar,
 }
 
 /// Cells along x, y, z; y is 1 in 2D.

@@ -24,7 +24,7 @@ pub use control::{Control, ControlKind};
 pub use formula::Formula;
 pub use interface::{InterfaceSpec, Side};
 pub use material::{Material, Porous};
-pub use mesh::{Cells, MeshSpec};
+pub use mesh::{Cells, Formulation, MeshSpec};
 pub use output::{Expectation, Fields, OutputSpec, Probe};
 pub use schema::schema;
 pub use solver::{Form, Linear, SolverSpec, Stability};
@@ -94,6 +94,9 @@ pub struct Case {
     file: file::CaseFile,
 }
 
+/// Poisson's ratio from which on full integration is not taken.
+const NEARLY_INCOMPRESSIBLE: f64 = 0.45;
+
 /// Largest case file that is read, in bytes.
 const LARGEST: u64 = 1 << 20;
 
@@ -135,6 +138,29 @@ impl Case {
         };
         let checker = Checker { tree: &tree, problems, broken, dim: 2, left_out: Vec::new() };
         checker.case(file, path)
+    }
+
+    /// Whether the cells of a material have the mean of the volumetric strain in place of its values.
+    pub fn has_mean_dilatation(&self, material: &Material) -> bool {
+        match self.mesh.formulation {
+            Formulation::Auto => material.poisson_ratio > NEARLY_INCOMPRESSIBLE,
+            Formulation::Full => false,
+            Formulation::BBar => true,
+        }
+    }
+
+    /// One sentence for each material whose cells are not fully integrated.
+    pub fn formulations(&self) -> Vec<String> {
+        let special = self.materials.iter().filter(|m| self.has_mean_dilatation(m));
+        let words = |m: &Material| match self.mesh.formulation {
+            Formulation::Auto => format!(
+                "{}: B-bar, since full integration locks where poisson_ratio, {}, is above \
+                 {NEARLY_INCOMPRESSIBLE}",
+                m.name, m.poisson_ratio
+            ),
+            _ => format!("{}: B-bar, asked for", m.name),
+        };
+        special.map(words).collect()
     }
 
     /// The times between start and end, rising, at which a table bends: no step passes over one.

@@ -81,6 +81,9 @@ pub struct Model {
     pub physics: String,
     /// Two (plane strain) or three.
     pub dimension: u8,
+    /// Materials whose cells are not fully integrated, and why, in words.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub elements: Vec<String>,
     /// What of the case was left out, and why.
     pub left_out: Vec<LeftOut>,
 }
@@ -172,6 +175,7 @@ mod tests {
             model: Model {
                 physics: "mechanics".into(),
                 dimension: 3,
+                elements: Vec::new(),
                 left_out: vec![LeftOut { what: "flow".into(), why: "pressure is 0".into() }],
             },
             cells: 4,

@@ -297,6 +297,7 @@ fn modelled(case: &Case) -> Modelled {
     Modelled {
         physics: case.physics.name().into(),
         dimension: case.dim as u8,
+        elements: case.formulations(),
         left_out: case
             .left_out
             .iter()

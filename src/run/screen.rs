@@ -134,6 +134,9 @@ pub fn describe(comm: &Comm, case: &Case, model: &Model<'_>) {
         model.unknowns,
         s(ranks)
     );
+    for sentence in case.formulations() {
+        tracing::info!("elements   {sentence}");
+    }
     for (interface, side) in case.interfaces.iter().zip(&model.sides) {
         let secondary = if side.secondary.upper { "lower" } else { "upper" };
         tracing::info!(

@@ -82,6 +82,11 @@ const PRESETS: &[(&str, &[(&str, &str)])] =
 /// above it soon costs more than all of the rest.
 const FEWEST_FOR_LEVELS: f64 = 3000.0;
 
+/// Above this Poisson's ratio multigrid needs more than a hundred iterations.
+const HARD_TO_SMOOTH: f64 = 0.495;
+/// Up to so many unknowns elimination then takes less time and bearable memory.
+const MOST_FOR_ELIMINATION: f64 = 1.5e5;
+
 impl LinearChoice {
     /// The preset the case names, or the one that suits the size and shape of the problem.
     pub fn new(case: &Case, column: &Column) -> Self {
@@ -94,7 +99,7 @@ impl LinearChoice {
             Linear::Gamg => Self::named("gamg", "asked for".into()),
             Linear::Hypre => Self::named("hypre", "asked for".into()),
             Linear::Multigrid => Self::named(MULTIGRID, "asked for".into()),
-            Linear::Auto => Self::automatic(column),
+            Linear::Auto => Self::automatic(case, column),
         }
     }
 
@@ -118,9 +123,17 @@ impl LinearChoice {
         Self { preset, why, options: options.unwrap_or_default() }
     }
 
-    /// Geometric multigrid, unless the problem is small.
-    fn automatic(column: &Column) -> Self {
+    /// Geometric multigrid, unless the problem is small or too close to incompressible for point-wise
+    /// smoothing.
+    fn automatic(case: &Case, column: &Column) -> Self {
         let unknowns = column.nodes() as f64 * column.dim as f64;
+        let largest = case.materials.iter().map(|m| m.poisson_ratio).fold(0.0, f64::max);
+        if largest > HARD_TO_SMOOTH && unknowns < MOST_FOR_ELIMINATION {
+            let why = format!(
+                "{unknowns:.0} unknowns, poisson_ratio {largest}: iterations would be hundreds"
+            );
+            return Self::named("mumps", why);
+        }
         if unknowns < FEWEST_FOR_LEVELS {
             return Self::named(
                 "mumps",

@@ -184,7 +184,7 @@ fn cells(case: &Case, mesh: &LocalMesh, nodes: &Nodes) -> Cells {
         .map(|p| {
             let material = &case.materials[p.material];
             let elastic = Elastic::new(material.young_modulus, material.poisson_ratio);
-            Stiffness::new(p, elastic, case.dim)
+            Stiffness::new(p, elastic, case.dim, case.has_mean_dilatation(material))
         })
         .collect();
     let connectivity = mesh

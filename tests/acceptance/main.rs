@@ -5,6 +5,7 @@
 mod common;
 mod energy;
 mod fluid;
+mod locking;
 mod patches;
 mod path;
 mod ranks;
