@@ -1,6 +1,7 @@
 //! The state of the secondary nodes: tractions, jumps, branches and history.
 
 use crate::assembly::{Discretization, NodeState};
+use crate::comm::Comm;
 use crate::interface::{JumpRow, JumpRows};
 use crate::law::{Branch, LawSpec, Response};
 
@@ -92,6 +93,21 @@ impl InterfaceState {
             );
             self.response[index] = combine(rows, traction, jump, &answer, law.augmentation, dim);
         }
+    }
+
+    /// The largest traction over the strength of its interface, compression left out; 0 where it is no
+    /// more than rounding beside the compression. Collective.
+    pub fn share_of_strength(&self, comm: &Comm, all: &Discretization) -> f64 {
+        let mut largest = [0.0_f64; 2];
+        for (rows, response) in all.secondary.iter().zip(&self.response) {
+            let Some(strength) = self.laws[rows.interface].spec.law().strength() else { continue };
+            let t = to_local(response.bulk_traction, self.dim);
+            for (largest, normal) in largest.iter_mut().zip([t[0].max(0.0), t[0]]) {
+                *largest = largest.max(normal.hypot(t[1]).hypot(t[2]) / strength);
+            }
+        }
+        comm.max(&mut largest);
+        if largest[0] > 1e-8 * largest[1] { largest[0] } else { 0.0 }
     }
 
     /// Makes the last evaluated state the accepted one.

@@ -8,7 +8,7 @@ use std::rc::Rc;
 
 use super::condensed;
 use super::convergence::{Convergence, Worst};
-use super::interfaces::{InterfaceState, to_local};
+use super::interfaces::InterfaceState;
 use super::linear::LinearTarget;
 use super::path::PathControl;
 use super::recycle::Recycle;
@@ -170,21 +170,6 @@ impl<'a> Problem<'a> {
             *magnitude = magnitude.max(length);
         }
         self.convergence.see_forces(&magnitude[..nodes.owned], &self.displacement[..x.len()]);
-    }
-
-    /// The largest traction over the strength of its interface, compression left out. Collective.
-    pub(super) fn share_of_strength(&self) -> f64 {
-        let dim = self.all.dim;
-        let mut largest = [0.0_f64];
-        for (rows, response) in self.all.secondary.iter().zip(&self.interfaces.response) {
-            let law = self.interfaces.laws[rows.interface].spec.law();
-            let Some(strength) = law.strength() else { continue };
-            let t = to_local(response.bulk_traction, dim);
-            let size = t[0].max(0.0).hypot(t[1]).hypot(t[2]);
-            largest[0] = largest[0].max(size / strength);
-        }
-        self.comm.max(&mut largest);
-        largest[0]
     }
 
     /// The largest out-of-balance nodal force in a residual. Local.

@@ -96,8 +96,9 @@ impl<'a> Stepper<'a> {
     pub fn advance(&mut self, instant: f64) -> Result<Accepted> {
         let mut total = Accepted::default();
         while self.time < instant {
-            let next = self.breakpoints.iter().find(|time| **time > self.time && **time < instant);
-            self.advance_without_bends(next.copied().unwrap_or(instant), &mut total)?;
+            let passed = self.breakpoints.partition_point(|time| *time <= self.time);
+            let next = self.breakpoints.get(passed).map_or(instant, |time| time.min(instant));
+            self.advance_without_bends(next, &mut total)?;
         }
         total.energy = self.energy;
         total.residual_norm = self.problem.residual_norm;
@@ -273,7 +274,7 @@ impl<'a> Stepper<'a> {
             .filter(|(_, gave_way)| **gave_way)
             .map(|(interface, _)| interface.name.as_str())
             .collect();
-        if names.is_empty() {
+        if names.is_empty() || self.problem.path.is_some() {
             return String::new();
         }
         let holds: Vec<bool> = gave_way.iter().map(|gave_way| !gave_way).collect();

@@ -177,3 +177,21 @@ fn a_missed_expectation_ends_with_status_1_and_one_message() {
         assert_eq!(folder.report()["status"], "expectation_missed");
     }
 }
+
+#[test]
+fn a_path_without_pull_is_told() {
+    let folder = Folder::new();
+    let answer = folder.run(
+        1,
+        &[
+            "case.yaml",
+            "--set",
+            "boundary.1.displacement.z=-1",
+            "--set",
+            "control={opening: {of: joint, equals: 1.0e-4}}",
+        ],
+    );
+    assert_eq!(answer.status, Some(3), "{answer:?}");
+    assert!(answer.stderr.contains("no interface is pulled or sheared by the loads"), "{answer:?}");
+    assert_eq!(answer.stderr.matches("error: no solution").count(), 1, "{answer:?}");
+}

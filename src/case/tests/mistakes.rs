@@ -195,6 +195,16 @@ fn a_mistake_in_an_override_is_told_with_the_override() {
             "output.fields=al",
             "output.fields cannot be `al`; did you mean `all`? (known: all, none)",
         ),
+        (
+            "control={opening: {of: jont, equals: 1}}",
+            "control.opening.of must name an interface, got `jont`; did you mean `joint`? (known: \
+             joint)",
+        ),
+        (
+            "control={dissipation: {of: joint, step: 2}}",
+            "control.dissipation.step must be at most 1, got 2",
+        ),
+        ("control={arc: {}}", "control.arc is not a known key (known: opening, dissipation)"),
         ("mesh.refine=-1", "mesh.refine must be at least 0, got -1"),
         ("mesh.refine=21", "mesh.refine must be at most 20, got 21"),
         ("title=12", "title must be a text (in quotes if it looks like a number), got 12"),

@@ -32,7 +32,8 @@ impl Stepper<'_> {
         if !self.problem.comm.any(!undamaged) {
             let report = self.load_to(SMALL_FACTOR)?;
             corrections = [report.iterations, report.linear_iterations];
-            let share = self.problem.share_of_strength();
+            let problem = &self.problem;
+            let share = problem.interfaces.share_of_strength(problem.comm, &problem.all);
             if !report.reason.is_converged() || share == 0.0 {
                 let words =
                     "no interface is pulled or sheared by the loads: nothing ever gives way";
