@@ -87,3 +87,17 @@ fn the_schema_leaves_no_section_open() {
     }
     assert!(definitions["SolverSpec"]["properties"]["form"].is_object());
 }
+
+#[test]
+fn the_example_of_the_manual_is_right() {
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/case.md");
+    let page = std::fs::read_to_string(page).expect("the manual");
+    let blocks: Vec<&str> = page.split("```yaml\n").skip(1).collect();
+    let block = |i: usize| blocks[i].split("```").next().expect("the end of a block");
+    Case::read(block(0), Path::new("manual.yaml"), &[]).expect("a case without mistakes");
+    for control in block(1).lines() {
+        let control = control.replacen(": ", "=", 1);
+        let changes = [control, "expect=[]".to_owned()];
+        Case::read(block(0), Path::new("manual.yaml"), &changes).expect("a control");
+    }
+}
