@@ -59,7 +59,7 @@ fn run(ranks: usize, place: &Path) {
         if let Some(status) = child.try_wait().expect("the child is ours") {
             break status;
         }
-        if start.elapsed() > Duration::from_secs(60) {
+        if start.elapsed() > Duration::from_secs(180) {
             child.kill().expect("the child is ours");
             panic!("{ranks} ranks hang");
         }

@@ -6,7 +6,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 /// Seconds after which a launch is taken to hang.
-pub const TIME_LIMIT: Duration = Duration::from_secs(60);
+pub const TIME_LIMIT: Duration = Duration::from_secs(180);
 
 /// Runs `program` with `args` on `ranks` ranks and returns what it wrote and its status.
 ///
