@@ -116,6 +116,7 @@ mod tests {
 
     impl Samples for ExponentialSoftening {
         fn samples() -> Vec<Self> {
+            // Not much less: the test kit's own Newton method for a given jump would cycle.
             vec![
                 ExponentialSoftening { strength: 1.1e6, fracture_energy: 900.0, augmentation: 20.0 },
                 ExponentialSoftening { strength: 3.0e6, fracture_energy: 100.0, augmentation: 4.0 },

@@ -22,6 +22,8 @@ const BEYOND: f64 = 1e-9;
 /// The load factor and what it follows from.
 pub struct PathControl {
     control: Control,
+    /// The quantity in words.
+    words: String,
     /// What all loads are scaled by.
     pub factor: f64,
     /// The factor at the last accepted state.
@@ -49,9 +51,10 @@ struct Sums {
 
 impl PathControl {
     /// Without loads yet.
-    pub fn new(control: Control) -> Self {
+    pub fn new(control: Control, words: String) -> Self {
         Self {
             control,
+            words,
             factor: 0.0,
             accepted: 0.0,
             target: 0.0,
@@ -193,11 +196,11 @@ impl PathControl {
         let missing = sums.value - self.target * sums.weight;
         let change = (missing - sums.changes[0]) / sums.changes[1];
         if !change.is_finite() {
-            self.failure = Some(
-                "nothing of the interface that the load factor follows from softens or opens, so \
-                 that the factor is not determined"
-                    .into(),
-            );
+            self.failure = Some(format!(
+                "{} does not follow the loads at the factor {:e}: nothing there softens or opens; \
+                 see that the loads pull it, or that it is the first to give way",
+                self.words, self.factor
+            ));
             return;
         }
         self.factor += change;

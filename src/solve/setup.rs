@@ -11,7 +11,7 @@ use super::saddle::SaddlePoint;
 use super::stepping::Stepper;
 use crate::assembly::{Cells, Discretization, Pattern, SaddleTangent, Tangent};
 use crate::bulk::{Elastic, Loads, Stiffness};
-use crate::case::{Case, Form};
+use crate::case::{Case, Control, Form};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::interface::{Sides, jump_rows};
@@ -90,7 +90,8 @@ pub fn build<'a>(
     let x = Vector::new(&runtime.petsc, rows, dim)?;
     let form = (form, diagonal);
     let mut problem = Problem::new(comm, timers, all, loads, interfaces, form, convergence, target);
-    problem.path = case.control.clone().map(PathControl::new);
+    let path = |control: &Control| PathControl::new(control.clone(), control.words(case));
+    problem.path = case.control.as_ref().map(path);
     let stepper = Stepper::new(case, problem, snes, saddle, x, prescribed);
     Ok(Model { stepper, mesh, sides, choice, unknowns })
 }

@@ -18,6 +18,8 @@ impl Stepper<'_> {
             return Err(Error::Bug("a step of a path without one".into()));
         };
         path.start(target);
+        // A step that failed early may have left it.
+        self.problem.interfaces.lean = 1.0;
         let load_time = path.load_time(target);
         let mut unit = self.x.duplicate()?;
         std::mem::swap(&mut unit, &mut self.x);
