@@ -83,10 +83,13 @@ def component(grid, row, column):
 def cell_sides(grid, height):
     """For every point, whether its cells lie above `height`; the two sides of an interface share none."""
     points = vtk_to_numpy(grid.GetPoints().GetData())
-    connectivity = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(grid.GetNumberOfCells(), -1)
-    above_cells = points[connectivity][:, :, 2].mean(axis=1) > height
+    connectivity = vtk_to_numpy(grid.GetCells().GetConnectivityArray())
+    ends = vtk_to_numpy(grid.GetCells().GetOffsetsArray())
     above = numpy.zeros(len(points), dtype=bool)
-    above[connectivity[above_cells].ravel()] = True
+    for first, end in zip(ends[:-1], ends[1:]):
+        nodes = connectivity[first:end]
+        if points[nodes, 2].mean() > height:
+            above[nodes] = True
     return points, above
 
 

@@ -11,10 +11,11 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use column_hpc::comm::Comm;
+use column_hpc::element::Shape;
 use column_hpc::output::directory::OutputDirectory;
 use column_hpc::output::publisher::Publisher;
 use column_hpc::output::series::{Fixed, Series};
-use column_hpc::output::vtkhdf::{Array, Data, Grid, HEXAHEDRON, LINE, QUADRILATERAL, Values};
+use column_hpc::output::vtkhdf::{Array, Data, Grid, Values};
 use column_hpc::output::vtkhdf::{rows_of, write_grid};
 
 const LAYERS: usize = 6;
@@ -133,8 +134,7 @@ fn bulk_reads_back(comm: &Comm, place: &Path) {
     let grid = Grid {
         points: &points,
         connectivity: &connectivity,
-        nodes_per_cell: 8,
-        cell_type: HEXAHEDRON,
+        shapes: &vec![Shape::Hex8; connectivity.len() / 8],
     };
     let u: Vec<f64> = ids.iter().flat_map(|&id| displacement(id)).collect();
     let global: Vec<i64> = ids.iter().map(|&id| 100 + id as i64).collect();
@@ -204,8 +204,7 @@ fn surface_and_line_on_one_rank(comm: &Comm, place: &Path) {
     let grid = Grid {
         points: if here { &all } else { &[] },
         connectivity: if here { quads.as_flattened() } else { &[] },
-        nodes_per_cell: 4,
-        cell_type: QUADRILATERAL,
+        shapes: if here { &[Shape::Quad4; 4] } else { &[] },
     };
     let data = [Array {
         name: "damage",
@@ -221,14 +220,13 @@ fn surface_and_line_on_one_rank(comm: &Comm, place: &Path) {
     let line = Grid {
         points: if here { &all[..3] } else { &[] },
         connectivity: if here { &[0, 1, 1, 2] } else { &[] },
-        nodes_per_cell: 2,
-        cell_type: LINE,
+        shapes: if here { &[Shape::Line2; 2] } else { &[] },
     };
     let none = Data::default();
     write_grid(comm, publisher, &place.join("line.vtkhdf"), &line, none)
         .expect("a writable directory");
     // Nothing anywhere: an interface without cells in a part of the model still has its file.
-    let nothing = Grid { points: &[], connectivity: &[], ..line };
+    let nothing = Grid { points: &[], connectivity: &[], shapes: &[] };
     write_grid(comm, publisher, &place.join("nothing.vtkhdf"), &nothing, none)
         .expect("a writable directory");
     publisher.finish().expect("a writable directory");
@@ -250,8 +248,7 @@ fn surface_and_line_on_one_rank(comm: &Comm, place: &Path) {
 }
 
 fn errors_are_the_same_on_all_ranks(comm: &Comm, place: &Path) {
-    let grid =
-        Grid { points: &[[0.0; 3]], connectivity: &[], nodes_per_cell: 8, cell_type: HEXAHEDRON };
+    let grid = Grid { points: &[[0.0; 3]], connectivity: &[], shapes: &[] };
     let (publisher, none) = (&mut Publisher::default(), Data::default());
     let error = write_grid(comm, publisher, &place.join("absent/bulk.vtkhdf"), &grid, none)
         .expect_err("there is no such directory");
@@ -262,7 +259,7 @@ fn errors_are_the_same_on_all_ranks(comm: &Comm, place: &Path) {
     // One rank is wrong: one row too many.
     let last = comm.rank() == comm.size() - 1;
     let own: &[i64] = if last { &[0, i64::from(comm.size())] } else { &[] };
-    let grid = Grid { connectivity: own, nodes_per_cell: 2, cell_type: LINE, ..grid };
+    let grid = Grid { connectivity: own, shapes: if last { &[Shape::Line2] } else { &[] }, ..grid };
     let path = place.join("wrong.vtkhdf");
     let error =
         write_grid(comm, publisher, &path, &grid, none).expect_err("a row that nobody writes");

@@ -1,7 +1,8 @@
 //! The cells of one rank and their internal forces.
 
+use super::second_order::SecondOrderSweep;
 use super::sweep::Sweep;
-use crate::bulk::{Modal, Stiffness};
+use crate::bulk::{Modal, Parity, SplitForm, Stiffness};
 
 /// Which cells a loop runs over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,29 +16,47 @@ pub enum CellSet {
 /// Connectivity by local node, and the stiffness of each cell.
 pub struct Cells {
     dim: usize,
-    nodes_per_cell: usize,
+    /// First entry of each cell in `nodes`, and the end.
+    start: Vec<u32>,
     nodes: Vec<u32>,
     prototype: Vec<u16>,
     stiffness: Vec<Stiffness>,
     layer: Vec<u32>,
-    all: Sweep,
-    near: Sweep,
+    all: Sweeps,
+    near: Sweeps,
+}
+
+/// The cells of a set by their order.
+struct Sweeps {
+    first: Sweep,
+    second: SecondOrderSweep,
 }
 
 impl Cells {
-    /// `nodes` holds `nodes_per_cell` local numbers per cell, `prototype` the index of each cell's
-    /// stiffness.
-    pub fn new(
+    /// `nodes` gives the local nodes of a cell in the order of its shape, `prototype` the index of
+    /// each cell's stiffness.
+    pub fn new<'n>(
         dim: usize,
-        nodes_per_cell: usize,
-        nodes: Vec<u32>,
+        nodes: impl Iterator<Item = Vec<u32>> + 'n,
         prototype: Vec<u16>,
         stiffness: Vec<Stiffness>,
     ) -> Self {
-        let near = Sweep::new(dim, std::iter::empty());
-        let cells = nodes.chunks_exact(nodes_per_cell).zip(prototype.iter().copied());
-        let all = Sweep::new(dim, cells);
-        Self { dim, nodes_per_cell, nodes, prototype, stiffness, layer: Vec::new(), all, near }
+        let (mut start, mut list) = (vec![0], Vec::new());
+        for nodes in nodes {
+            list.extend(nodes);
+            start.push(list.len() as u32);
+        }
+        let none = || Sweeps::new(dim, &stiffness, std::iter::empty());
+        let (all, near) = (none(), none());
+        let nodes = list;
+        let mut cells = Self { dim, start, nodes, prototype, stiffness, layer: vec![], all, near };
+        cells.all = cells.sweeps(0..cells.len());
+        cells
+    }
+
+    fn sweeps(&self, cells: impl Iterator<Item = usize> + Clone) -> Sweeps {
+        let cells = cells.map(|c| (self.nodes(c), self.prototype[c]));
+        Sweeps::new(self.dim, &self.stiffness, cells)
     }
 
     /// Number of cells.
@@ -52,7 +71,7 @@ impl Cells {
 
     /// Local nodes of a cell.
     pub fn nodes(&self, cell: usize) -> &[u32] {
-        &self.nodes[cell * self.nodes_per_cell..][..self.nodes_per_cell]
+        &self.nodes[self.start[cell] as usize..self.start[cell + 1] as usize]
     }
 
     /// Local nodes of all cells, cell by cell.
@@ -68,7 +87,7 @@ impl Cells {
     /// The largest diagonal entry of any stiffness (N/m), 0 without cells.
     pub fn largest_diagonal(&self) -> f64 {
         let diagonal = |s: &Stiffness| {
-            let n = self.nodes_per_cell * self.dim;
+            let n = s.matrix.len().isqrt();
             (0..n).map(|i| s.matrix[i * n + i]).fold(0.0, f64::max)
         };
         self.stiffness.iter().map(diagonal).fold(0.0, f64::max)
@@ -80,8 +99,7 @@ impl Cells {
     }
 
     pub(super) fn set_layer(&mut self, layer: Vec<u32>) {
-        let cells = layer.iter().map(|cell| *cell as usize);
-        self.near = Sweep::new(self.dim, cells.map(|c| (self.nodes(c), self.prototype[c])));
+        self.near = self.sweeps(layer.iter().map(|cell| *cell as usize));
         self.layer = layer;
     }
 
@@ -95,30 +113,66 @@ impl Cells {
         force: &mut [f64],
         magnitude: Option<&mut [f64]>,
     ) {
-        let sweep = if set == CellSet::All { &self.all } else { &self.near };
-        sweep.add_forces(self.modal(), u, [force, &mut []], magnitude);
+        let sweeps = if set == CellSet::All { &self.all } else { &self.near };
+        sweeps.add_forces(&self.stiffness, u, [force, &mut []], magnitude);
     }
 
     /// As [`Cells::add_forces`] of all cells, with the forces at owned nodes apart from those at
     /// ghosts. Local.
     pub fn add_forces_apart(&self, u: &[f64], owned: &mut [f64], ghosts: &mut [f64]) {
-        self.all.add_forces(self.modal(), u, [owned, ghosts], None);
-    }
-
-    fn modal<'s>(&'s self) -> impl Fn(u16) -> &'s Modal {
-        |prototype| &self.stiffness[prototype as usize].modal
+        self.all.add_forces(&self.stiffness, u, [owned, ghosts], None);
     }
 
     /// Adds the diagonal of the stiffness (N/m), `dim` numbers per local node. Local.
     pub fn add_diagonal(&self, diagonal: &mut [f64]) {
-        let (dim, n) = (self.dim, self.nodes_per_cell * self.dim);
+        let dim = self.dim;
         for cell in 0..self.len() {
             let matrix = &self.stiffness(cell).matrix;
+            let n = self.nodes(cell).len() * dim;
             for (a, node) in self.nodes(cell).iter().enumerate() {
                 for c in 0..dim {
                     diagonal[*node as usize * dim + c] += matrix[(a * dim + c) * (n + 1)];
                 }
             }
         }
+    }
+}
+
+impl Sweeps {
+    fn new<'a>(
+        dim: usize,
+        stiffness: &[Stiffness],
+        cells: impl Iterator<Item = (&'a [u32], u16)> + Clone,
+    ) -> Self {
+        let is_first =
+            |prototype: u16| matches!(stiffness[prototype as usize].form, SplitForm::First(_));
+        let first = Sweep::new(dim, cells.clone().filter(|(_, p)| is_first(*p)));
+        let second = SecondOrderSweep::new(dim, cells.filter(|(_, p)| !is_first(*p)));
+        Self { first, second }
+    }
+
+    /// As [`Cells::add_forces`], the forces at the first nodes apart from those at the others.
+    fn add_forces(
+        &self,
+        stiffness: &[Stiffness],
+        u: &[f64],
+        [first, others]: [&mut [f64]; 2],
+        mut magnitude: Option<&mut [f64]>,
+    ) {
+        let modal = |prototype: u16| -> &Modal {
+            let SplitForm::First(modal) = &stiffness[prototype as usize].form else {
+                unreachable!("sorted by order");
+            };
+            modal
+        };
+        let parity = |prototype: u16| -> &Parity {
+            let SplitForm::Second(parity) = &stiffness[prototype as usize].form else {
+                unreachable!("sorted by order");
+            };
+            parity
+        };
+        let sizes = magnitude.as_deref_mut();
+        self.first.add_forces(modal, u, [&mut *first, &mut *others], sizes);
+        self.second.add_forces(parity, u, [first, others], magnitude);
     }
 }

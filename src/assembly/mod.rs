@@ -8,6 +8,7 @@ mod cells;
 mod operator;
 mod pattern;
 mod saddle;
+mod second_order;
 mod sweep;
 mod tangent;
 

@@ -1,9 +1,9 @@
-//! Isotropic linear elasticity on first-order cells, fully integrated or with mean dilatation.
+//! Isotropic linear elasticity on boxes of first or second order, fully integrated or B-bar.
 //!
-//! Small strain, plane strain in 2D. All cells are boxes; those of one size and material are
+//! Small strain, plane strain in 2D. All cells are boxes; those of one size, material and order are
 //! identical up to translation and share one stiffness.
 
-use super::Modal;
+use super::{Modal, Parity};
 use crate::element::{Shape, gauss, mapping};
 use crate::mesh::{Prototype, axes};
 
@@ -32,33 +32,46 @@ pub struct Stiffness {
     /// K, row by row: (n dim) x (n dim), N/m (2D: per metre of thickness).
     pub matrix: Vec<f64>,
     /// K in sums and differences of nodal values.
-    pub modal: Modal,
+    pub form: SplitForm,
     /// Gradients of the shape functions at the centre (1/m), one per node.
     centre: Vec<[f64; 3]>,
 }
 
+/// The stiffness in a basis in which few of its entries are not zero.
+#[derive(Debug, Clone)]
+pub enum SplitForm {
+    /// Of a cell of first order.
+    First(Box<Modal>),
+    /// Of a cell of second order.
+    Second(Box<Parity>),
+}
+
 impl Stiffness {
-    /// K = integral of B^T D B over the box, by the 2-point Gauss rule per direction, which is
-    /// exact for a box. With `b_bar` the volumetric strain is replaced by its mean over the box,
-    /// so that nearly incompressible material does not lock (T. Hughes, Int. J. Numer. Methods Engrg.
-    /// 15, 1980).
+    /// K = integral of B^T D B over the box, by the Gauss rule with one point more per direction
+    /// than the order, which is exact for a box. With `b_bar` the volumetric strain is replaced by
+    /// its projection on the polynomials of one degree less than the order, so that nearly
+    /// incompressible material does not lock (T. Hughes, Int. J. Numer. Methods Engrg. 15, 1980).
     pub fn new(prototype: &Prototype, elastic: Elastic, dim: usize, b_bar: bool) -> Self {
         // Of sigma = lambda tr(eps) 1 + 2 mu eps the share of the first term that acts on the strain
-        // at a point, and that acts on its mean.
+        // at a point, and that acts on its projection.
         let third = 2.0 / 3.0 * elastic.mu;
-        let (at_points, on_mean) =
+        let (at_points, on_projection) =
             if b_bar { (-third, elastic.lambda + third) } else { (elastic.lambda, 0.0) };
-        let shape = if dim == 2 { Shape::Quad4 } else { Shape::Hex8 };
+        let shape = Shape::of(dim, prototype.order);
         let size: Vec<f64> = axes(dim).iter().map(|a| prototype.size[*a]).collect();
-        let corners: Vec<[f64; 3]> = shape
-            .vertices()
+        let positions: Vec<[f64; 3]> = shape
+            .node_points()
             .iter()
             .map(|v| std::array::from_fn(|i| if i < dim { 0.5 * size[i] * v[i] } else { 0.0 }))
             .collect();
-        let n = corners.len();
+        let n = positions.len();
         let mut matrix = vec![0.0; (n * dim) * (n * dim)];
-        for point in gauss(shape, 2) {
-            let (gradients, volume) = physical_gradients(shape, &corners, point.xi, dim);
+        // Of 1 and, in cells of second order, each reference coordinate: its integrals against the
+        // divergences of the shape functions, and against itself.
+        let projected = if prototype.order == 1 { 1 } else { 1 + dim };
+        let mut dilatation = vec![(vec![0.0; n * dim], 0.0); projected];
+        for point in gauss(shape, prototype.order + 1) {
+            let (gradients, volume) = physical_gradients(shape, &positions, point.xi, dim);
             let weight = point.weight * volume;
             for (a, ga) in gradients.iter().enumerate() {
                 for (b, gb) in gradients.iter().enumerate() {
@@ -73,18 +86,22 @@ impl Stiffness {
                     }
                 }
             }
-        }
-        // The mean gradient of a box is that at its centre.
-        let (centre, _) = physical_gradients(shape, &corners, [0.0; 3], dim);
-        let volume: f64 = size.iter().product();
-        for (row, (a, i)) in (0..n).flat_map(|a| (0..dim).map(move |i| (a, i))).enumerate() {
-            for (column, (b, j)) in (0..n).flat_map(|b| (0..dim).map(move |j| (b, j))).enumerate() {
-                matrix[row * n * dim + column] += on_mean * volume * centre[a][i] * centre[b][j];
+            for (m, (of_nodes, square)) in dilatation.iter_mut().enumerate() {
+                let value = if m == 0 { 1.0 } else { point.xi[m - 1] };
+                let divergence = gradients.iter().flat_map(|g| &g[..dim]);
+                of_nodes.iter_mut().zip(divergence).for_each(|(d, g)| *d += weight * value * g);
+                *square += weight * value * value;
             }
         }
-        let modal = Modal::new(&matrix, shape.vertices(), dim)
-            .expect("a box of isotropic material is diagonal by modes");
-        Self { dim, elastic, matrix, modal, centre }
+        for (of_nodes, square) in &dilatation {
+            for (row, left) in matrix.chunks_exact_mut(n * dim).zip(of_nodes) {
+                let factor = on_projection * left / square;
+                row.iter_mut().zip(of_nodes).for_each(|(k, right)| *k += factor * right);
+            }
+        }
+        let form = SplitForm::new(&matrix, shape);
+        let (centre, _) = physical_gradients(shape, &positions, [0.0; 3], dim);
+        Self { dim, elastic, matrix, form, centre }
     }
 
     /// Nodal forces f = K u; both of length n dim.
@@ -114,21 +131,32 @@ impl Stiffness {
     }
 }
 
+impl SplitForm {
+    fn new(matrix: &[f64], shape: Shape) -> Self {
+        const SPLITS: &str = "a box of isotropic material splits by symmetry";
+        if shape.order() == 1 {
+            let modal = Modal::new(matrix, shape.node_points(), shape.dim());
+            return SplitForm::First(Box::new(modal.expect(SPLITS)));
+        }
+        SplitForm::Second(Box::new(Parity::new(matrix, shape).expect(SPLITS)))
+    }
+}
+
 /// Gradients with respect to the position and the determinant of the Jacobian.
 fn physical_gradients(
     shape: Shape,
-    corners: &[[f64; 3]],
+    positions: &[[f64; 3]],
     xi: [f64; 3],
     dim: usize,
 ) -> (Vec<[f64; 3]>, f64) {
-    let mut reference = vec![[0.0; 3]; corners.len()];
+    let mut reference = vec![[0.0; 3]; positions.len()];
     shape.gradients(xi, &mut reference);
     if dim == 2 {
-        let plane: Vec<[f64; 2]> = corners.iter().map(|c| [c[0], c[1]]).collect();
+        let plane: Vec<[f64; 2]> = positions.iter().map(|c| [c[0], c[1]]).collect();
         let map = mapping(shape, &plane, xi);
         (reference.iter().map(|g| map.gradient(*g, 2)).collect(), map.determinant)
     } else {
-        let map = mapping(shape, corners, xi);
+        let map = mapping(shape, positions, xi);
         (reference.iter().map(|g| map.gradient(*g, 3)).collect(), map.determinant)
     }
 }
@@ -139,19 +167,29 @@ mod tests {
 
     const SIZE: [f64; 3] = [0.5, 0.25, 2.0];
 
-    fn stiffness(dim: usize, b_bar: bool) -> Stiffness {
+    fn stiffness(dim: usize, order: usize, b_bar: bool) -> Stiffness {
         let size = if dim == 2 { [SIZE[0], 1.0, SIZE[2]] } else { SIZE };
-        Stiffness::new(&Prototype { size, material: 0 }, Elastic::new(5.8e9, 0.3), dim, b_bar)
+        let prototype = Prototype { size, material: 0, order };
+        Stiffness::new(&prototype, Elastic::new(5.8e9, 0.3), dim, b_bar)
     }
 
-    const BOTH: [(usize, bool); 4] = [(2, false), (3, false), (2, true), (3, true)];
+    const ALL: [(usize, usize, bool); 8] = [
+        (2, 1, false),
+        (3, 1, false),
+        (2, 1, true),
+        (3, 1, true),
+        (2, 2, false),
+        (3, 2, false),
+        (2, 2, true),
+        (3, 2, true),
+    ];
 
     /// Nodal values of the linear field u_i = sum_j h_ij x_j on the box centred at 0.
-    fn linear(dim: usize, h: [[f64; 3]; 3]) -> Vec<f64> {
-        let shape = if dim == 2 { Shape::Quad4 } else { Shape::Hex8 };
+    fn linear(dim: usize, order: usize, h: [[f64; 3]; 3]) -> Vec<f64> {
+        let shape = Shape::of(dim, order);
         let axes = axes(dim);
         let mut u = Vec::new();
-        for v in shape.vertices() {
+        for v in shape.node_points() {
             for i in axes {
                 let along = |j: usize| h[*i][axes[j]] * 0.5 * SIZE[axes[j]] * v[j];
                 u.push((0..dim).map(along).sum());
@@ -162,9 +200,9 @@ mod tests {
 
     #[test]
     fn rigid_motions_need_no_force() {
-        for (dim, b_bar) in BOTH {
-            let k = stiffness(dim, b_bar);
-            let turn = linear(dim, [[0.0, -1.0, 2.0], [1.0, 0.0, 0.5], [-2.0, -0.5, 0.0]]);
+        for (dim, order, b_bar) in ALL {
+            let k = stiffness(dim, order, b_bar);
+            let turn = linear(dim, order, [[0.0, -1.0, 2.0], [1.0, 0.0, 0.5], [-2.0, -0.5, 0.0]]);
             let shift: Vec<f64> =
                 turn.iter().enumerate().map(|(i, u)| u + (i % dim) as f64).collect();
             let mut f = vec![0.0; shift.len()];
@@ -178,9 +216,9 @@ mod tests {
     #[test]
     fn bending_of_nearly_incompressible_material_is_soft() {
         let energy = |nu: f64, b_bar: bool| {
-            let prototype = Prototype { size: [1.0; 3], material: 0 };
+            let prototype = Prototype { size: [1.0; 3], material: 0, order: 1 };
             let k = Stiffness::new(&prototype, Elastic::new(1.0, nu), 3, b_bar);
-            let corners = Shape::Hex8.vertices();
+            let corners = Shape::Hex8.node_points();
             let u: Vec<f64> = corners.iter().flat_map(|v| [v[0] * v[2], 0.0, 0.0]).collect();
             let mut f = vec![0.0; u.len()];
             k.force(&u, &mut f);
@@ -192,11 +230,11 @@ mod tests {
 
     #[test]
     fn energy_of_a_constant_strain_is_exact() {
-        for (dim, b_bar) in BOTH {
-            let k = stiffness(dim, b_bar);
+        for (dim, order, b_bar) in ALL {
+            let k = stiffness(dim, order, b_bar);
             let y = if dim == 2 { 0.0 } else { 1.0 };
             let h = [[1e-3, 2e-4 * y, -3e-4], [1e-4 * y, 5e-4 * y, 0.0], [2e-4, 7e-4 * y, -4e-4]];
-            let u = linear(dim, h);
+            let u = linear(dim, order, h);
             let mut f = vec![0.0; u.len()];
             k.force(&u, &mut f);
             let energy: f64 = 0.5 * f.iter().zip(&u).map(|(f, u)| f * u).sum::<f64>();

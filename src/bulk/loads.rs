@@ -1,7 +1,7 @@
 //! Body force, surface tractions and fluid pressure on the lips of the interfaces.
 
 use crate::case::{Case, Surface, Value};
-use crate::element::{MAX_NODES, Shape, gauss};
+use crate::element::{QuadraturePoint, Shape, gauss};
 use crate::error::{Error, Result};
 use crate::mesh::{CellPlace, LocalMesh, axes};
 
@@ -10,6 +10,8 @@ use crate::mesh::{CellPlace, LocalMesh, axes};
 pub struct Loads {
     patches: Vec<Patch>,
     sources: Vec<Source>,
+    /// Values of the shape functions at the quadrature points of each shape that occurs.
+    values: Vec<(Shape, Vec<Vec<f64>>)>,
     dim: usize,
 }
 
@@ -26,6 +28,8 @@ struct Source {
 #[derive(Debug, Clone)]
 struct Patch {
     source: usize,
+    /// Index into `Loads::values`.
+    shape: usize,
     nodes: Vec<u64>,
     points: Vec<LoadPoint>,
 }
@@ -35,7 +39,6 @@ struct LoadPoint {
     position: [f64; 3],
     /// Weight times measure (m3 or m2).
     weight: f64,
-    values: [f64; MAX_NODES],
 }
 
 impl Loads {
@@ -91,7 +94,7 @@ impl Loads {
     pub fn add(&self, time: f64, mut add: impl FnMut(u64, usize, f64)) -> Result<()> {
         for patch in &self.patches {
             let source = &self.sources[patch.source];
-            for point in &patch.points {
+            for (point, values) in patch.points.iter().zip(&self.values[patch.shape].1) {
                 for (component, axis) in axes(self.dim).iter().enumerate() {
                     let Some(value) = &source.components[*axis] else { continue };
                     let density = value.at(point.position, time);
@@ -107,7 +110,7 @@ impl Loads {
                         )));
                     }
                     let force = source.sign * density * point.weight;
-                    for (node, n) in patch.nodes.iter().zip(&point.values) {
+                    for (node, n) in patch.nodes.iter().zip(values) {
                         add(*node, component, force * n);
                     }
                 }
@@ -136,12 +139,11 @@ impl Loads {
     }
 
     fn patch(&mut self, mesh: &LocalMesh, source: usize, place: CellPlace, facet: Option<usize>) {
-        let cell = cell_shape(self.dim);
         let mut nodes = mesh.column.cell_nodes(place);
-        let mut shape = cell;
-        if let Some(facet) = facet {
-            nodes = cell.facets()[facet].iter().map(|a| nodes[*a]).collect();
-            shape = if self.dim == 2 { Shape::Line2 } else { Shape::Quad4 };
+        let mut shape = mesh.column.shape(place.body);
+        if let Some((facet, of_facet)) = facet.zip(shape.facet()) {
+            nodes = shape.facets()[facet].iter().map(|a| nodes[*a]).collect();
+            shape = of_facet;
         }
         let corners: Vec<[f64; 3]> = nodes.iter().map(|n| mesh.column.point(*n)).collect();
         // Cells are boxes: the measure is the product of the non-zero edge lengths.
@@ -156,24 +158,24 @@ impl Loads {
         });
         let measure: f64 =
             (0..3).map(|i| (far[i] - corners[0][i]).abs()).filter(|l| *l > 0.0).product();
-        let points = gauss(shape, 2)
-            .iter()
-            .map(|q| {
-                let mut values = [0.0; MAX_NODES];
+        let rule = gauss(shape, shape.order() + 1);
+        let index = self.values.iter().position(|(of, _)| *of == shape).unwrap_or_else(|| {
+            let values = |q: &QuadraturePoint| {
+                let mut values = vec![0.0; shape.nodes()];
                 shape.values(q.xi, &mut values);
-                let position = std::array::from_fn(|i| {
-                    corners.iter().zip(&values).map(|(c, n)| c[i] * n).sum()
-                });
-                let weight = q.weight * measure / f64::from(1 << shape.dim());
-                LoadPoint { position, weight, values }
-            })
-            .collect();
-        self.patches.push(Patch { source, nodes, points });
+                values
+            };
+            self.values.push((shape, rule.iter().map(values).collect()));
+            self.values.len() - 1
+        });
+        let point = |(q, values): (&QuadraturePoint, &Vec<f64>)| {
+            let position =
+                std::array::from_fn(|i| corners.iter().zip(values).map(|(c, n)| c[i] * n).sum());
+            LoadPoint { position, weight: q.weight * measure / f64::from(1 << shape.dim()) }
+        };
+        let points = rule.iter().zip(&self.values[index].1).map(point).collect();
+        self.patches.push(Patch { source, shape: index, nodes, points });
     }
-}
-
-fn cell_shape(dim: usize) -> Shape {
-    if dim == 2 { Shape::Quad4 } else { Shape::Hex8 }
 }
 
 /// Number of the facet in `Shape::facets` that looks along an axis, to its lower or upper end.
@@ -217,14 +219,14 @@ mod tests {
 
     #[test]
     fn facets_look_where_they_should() {
-        for dim in [2, 3] {
-            let shape = cell_shape(dim);
+        for (dim, order) in [(2, 1), (3, 1), (2, 2), (3, 2)] {
+            let shape = Shape::of(dim, order);
             for axis in axes(dim) {
                 for upper in [false, true] {
                     let component = axes(dim).iter().position(|a| a == axis).expect("an axis");
                     let side = if upper { 1.0 } else { -1.0 };
                     let facet = shape.facets()[facet_towards(dim, *axis, upper)];
-                    assert!(facet.iter().all(|a| shape.vertices()[*a][component] == side));
+                    assert!(facet.iter().all(|a| shape.node_points()[*a][component] == side));
                 }
             }
         }

@@ -64,7 +64,7 @@ pub const fn partner(c: usize, d: usize, m: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bulk::{Elastic, Stiffness};
+    use crate::bulk::{Elastic, SplitForm, Stiffness};
     use crate::element::Shape;
     use crate::mesh::Prototype;
 
@@ -72,11 +72,14 @@ mod tests {
     fn the_modal_form_gives_the_forces_of_the_matrix() {
         let shapes = [(2, Shape::Quad4), (3, Shape::Hex8)];
         for ((dim, shape), b_bar) in shapes.into_iter().flat_map(|s| [(s, false), (s, true)]) {
-            let prototype =
-                Prototype { size: [0.5, if dim == 2 { 1.0 } else { 0.3 }, 0.2], material: 0 };
+            let prototype = Prototype {
+                size: [0.5, if dim == 2 { 1.0 } else { 0.3 }, 0.2],
+                material: 0,
+                order: 1,
+            };
             let stiffness = Stiffness::new(&prototype, Elastic::new(5.8e9, 0.3), dim, b_bar);
-            let corners = shape.vertices();
-            let modal = &stiffness.modal;
+            let corners = shape.node_points();
+            let SplitForm::First(modal) = &stiffness.form else { panic!("of second order") };
             let n = corners.len();
             let u: Vec<f64> = (0..n * dim).map(|i| ((i * 7 + 3) % 11) as f64 - 5.0).collect();
             let mut exact = vec![0.0; n * dim];
@@ -105,6 +108,6 @@ mod tests {
     fn other_matrices_have_no_modal_form() {
         let mut matrix = vec![0.0; 64];
         matrix[1] = 1.0;
-        assert!(Modal::new(&matrix, Shape::Quad4.vertices(), 2).is_none());
+        assert!(Modal::new(&matrix, Shape::Quad4.node_points(), 2).is_none());
     }
 }

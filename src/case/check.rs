@@ -96,12 +96,10 @@ impl Checker<'_> {
         if section.file.is_some() {
             self.add("mesh.file", LATER);
         }
-        if section.order != 1 {
-            self.add("mesh.order", format!("{} {LATER}", section.order));
-        }
         let nothing = MeshSpec {
             size: vec![1.0; 2],
             cells: Cells::Whole([1; 3]),
+            orders: vec![1],
             formulation: section.formulation,
             refine: section.refine,
         };
@@ -136,8 +134,13 @@ impl Checker<'_> {
                 return nothing;
             }
         };
-        let formulation = section.formulation;
-        MeshSpec { size: column.size.clone(), cells, formulation, refine: section.refine }
+        let order = |given: Option<u32>| given.unwrap_or(section.order) as usize;
+        let orders = match &column.bodies {
+            Some(bodies) => bodies.iter().map(|body| order(body.order)).collect(),
+            None => vec![order(None)],
+        };
+        let (formulation, refine) = (section.formulation, section.refine);
+        MeshSpec { size: column.size.clone(), cells, orders, formulation, refine }
     }
 
     fn grid(&mut self, path: &str, cells: &[u64]) -> [usize; 3] {

@@ -71,11 +71,11 @@ pub(super) struct MeshSection {
     /// A Gmsh file (not yet available).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
-    /// 1: hex8 or quad4 (2: not yet available).
+    /// 1: hex8 or quad4; 2: hex27 or quad9.
     #[serde(default = "one")]
     #[schemars(range(min = 1, max = 2))]
     pub order: u32,
-    /// How first-order cells are integrated.
+    /// How the cells are integrated.
     #[serde(default)]
     pub formulation: Formulation,
     /// Uniform refinements after distribution.
@@ -112,6 +112,10 @@ pub(super) struct BodySection {
     /// Cells along each axis.
     #[schemars(length(min = 2, max = 3), inner(range(min = 1)))]
     pub cells: Vec<u64>,
+    /// As mesh.order, which it overrides.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 2))]
+    pub order: Option<u32>,
 }
 
 /// A material.

@@ -10,13 +10,15 @@ pub struct MeshSpec {
     pub size: Vec<f64>,
     /// The cells before refinement.
     pub cells: Cells,
+    /// Order of the cells (1 or 2): one number for the whole column, or one for each body.
+    pub orders: Vec<usize>,
     /// How the cells are integrated.
     pub formulation: Formulation,
     /// How many times the mesh is refined uniformly; each halves the cells along every axis.
     pub refine: u32,
 }
 
-/// How first-order cells are integrated.
+/// How the cells are integrated.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Formulation {
@@ -25,7 +27,8 @@ pub enum Formulation {
     Auto,
     /// Full integration, which locks when the material is nearly incompressible
     Full,
-    /// The mean of the volumetric strain in every cell
+    /// The volumetric strain projected on polynomials of one degree less than the order of the cell:
+    /// its mean where that is 1
     BBar,
 }
 
@@ -44,6 +47,15 @@ impl MeshSpec {
         self.size[self.size.len() - 1]
     }
 
+    /// The order of the cells in words that follow `cells`; none for first order.
+    pub fn order_words(&self) -> &'static str {
+        match (self.orders.contains(&1), self.orders.contains(&2)) {
+            (_, false) => "",
+            (false, true) => " of second order",
+            (true, true) => " of first and second order",
+        }
+    }
+
     /// Lengths along x, y, z in m; y is 0 in 2D.
     pub fn lengths(&self) -> [f64; 3] {
         match self.size[..] {
@@ -59,16 +71,18 @@ impl MeshSpec {
     pub(super) fn displacement_unknowns(&self, interfaces: usize, cuts: usize) -> Option<u128> {
         let dim = self.size.len();
         let factor = 1_u128.checked_shl(self.refine)?;
-        let nodes = |cells: [usize; 3], bodies: usize| -> Option<u128> {
+        let nodes = |(cells, order): ([usize; 3], usize), bodies: usize| -> Option<u128> {
+            let factor = factor.checked_mul(order as u128)?;
             let along = |count: usize| (count as u128).checked_mul(factor)?.checked_add(1);
             let depth = if dim == 3 { along(cells[1])? } else { 1 };
             let layers = along(cells[2].checked_add(cuts)?)?.checked_add(bodies as u128 - 1)?;
             along(cells[0])?.checked_mul(depth)?.checked_mul(layers)
         };
         let total = match &self.cells {
-            Cells::Whole(cells) => nodes(*cells, interfaces + 1),
+            Cells::Whole(cells) => nodes((*cells, self.orders[0]), interfaces + 1),
             Cells::Bodies(bodies) => {
-                bodies.iter().try_fold(0_u128, |sum, cells| sum.checked_add(nodes(*cells, 1)?))
+                let mut bodies = bodies.iter().copied().zip(self.orders.iter().copied());
+                bodies.try_fold(0_u128, |sum, body| sum.checked_add(nodes(body, 1)?))
             }
         };
         total?.checked_mul(dim as u128)

@@ -31,7 +31,7 @@ impl Mapping {
 /// # Arguments
 /// * `positions` of the nodes, metres, shape (`shape.nodes()`, `DIM`); in 2D the plane is (x, z)
 ///
-/// `DIM` must be the dimension of the shape: 2 for `Quad4`, 3 for `Hex8`.
+/// `DIM` must be the dimension of the shape.
 ///
 /// # Panics
 /// If `DIM` is not the dimension of the shape, or `positions` is too short.
@@ -90,7 +90,7 @@ mod tests {
             .sum();
         assert!((area - 1.5).abs() < 1e-14);
         let brick: Vec<[f64; 3]> = Shape::Hex8
-            .vertices()
+            .node_points()
             .iter()
             .map(|v| [v[0] + 0.3 * v[2], 2.0 * v[1], 0.25 * v[2]])
             .collect();
@@ -104,7 +104,7 @@ mod tests {
     #[test]
     fn the_gradient_of_a_linear_function_is_exact_in_a_distorted_cell() {
         let cell: Vec<[f64; 3]> = Shape::Hex8
-            .vertices()
+            .node_points()
             .iter()
             .map(|v| [v[0] + 0.1 * v[1] * v[2], v[1] - 0.2 * v[0], 2.0 * v[2] + 0.1 * v[0]])
             .collect();

@@ -1,8 +1,7 @@
 //! Reference elements: shape functions, quadrature, mapping.
 //!
 //! In: a [`Shape`] and points of its reference cell [-1, 1]^dim. Out: values and gradients of the
-//! nodal basis, Gauss rules, Jacobians. Nodes are numbered as VTK does: `Quad4` counter-clockwise,
-//! `Hex8` the bottom face first, then the top face, both counter-clockwise seen from above.
+//! nodal basis, Gauss rules, Jacobians. Nodes are numbered as VTK does.
 //! Everything here is local: no communication.
 
 mod lagrange;

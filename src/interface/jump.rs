@@ -9,6 +9,7 @@
 use super::mortar::{PlaneFacet, facet_rows};
 use super::sides::Sides;
 use crate::comm::Comm;
+use crate::element::Shape;
 use crate::error::Result;
 use crate::mesh::{Column, Facets, LocalMesh};
 use crate::space::{Directory, Prescribed};
@@ -168,21 +169,21 @@ fn integrate(mesh: &LocalMesh, sides: &[Sides], prescribed: &Prescribed) -> Resu
 /// A facet of the lattice in the plane of its interface.
 fn plane_facet(column: &Column, face: Facets, at: [usize; 2]) -> PlaneFacet {
     let nodes = column.facet_nodes(face, at);
-    let points: Vec<[f64; 3]> = nodes.iter().map(|n| column.point(*n)).collect();
-    if column.dim == 2 {
-        PlaneFacet::line([nodes[0], nodes[1]], [points[0][0], points[1][0]])
-    } else {
-        let at = |i: usize| [points[i][0], points[i][1]];
-        PlaneFacet::quad([nodes[0], nodes[1], nodes[2], nodes[3]], [at(0), at(1), at(2), at(3)])
-    }
+    let shape = Shape::of(column.dim - 1, column.order(face.body));
+    let corner = |node: &u64| {
+        let [x, y, _] = column.point(*node);
+        [x, y]
+    };
+    let corners: Vec<[f64; 2]> = nodes[..shape.corners().nodes()].iter().map(corner).collect();
+    PlaneFacet::new(shape, &nodes, &corners)
 }
 
 /// Per component, the nodes of a facet that carry no multiplier, one bit each.
-fn dropped(facet: &PlaneFacet, prescribed: &Prescribed, dim: usize) -> Vec<u8> {
-    let mut masks = vec![0u8; dim];
+fn dropped(facet: &PlaneFacet, prescribed: &Prescribed, dim: usize) -> Vec<u16> {
+    let mut masks = vec![0u16; dim];
     for (bit, node) in facet.nodes().iter().enumerate() {
         for (mask, fixed) in masks.iter_mut().zip(prescribed.components_of(*node)) {
-            *mask |= u8::from(fixed) << bit;
+            *mask |= u16::from(fixed) << bit;
         }
     }
     masks

@@ -14,7 +14,7 @@ pub struct Sides {
 
 impl Sides {
     /// The sides of every interface: the secondary one as the case says, else the softer side,
-    /// else the finer one, else the upper one.
+    /// else the one with more nodes, else the upper one.
     ///
     /// A stiff and coarse secondary side makes the condensed matrix harder for multigrid.
     pub fn choose(case: &Case, column: &Column) -> Vec<Self> {
@@ -23,7 +23,9 @@ impl Sides {
             let upper = Facets { body: index + 1, upper: false };
             let about = |face: Facets| {
                 let (size, material) = column.cell_size(column.facet_cell(face, [0, 0]));
-                (case.materials[material].young_modulus, size[0] * size[1])
+                let order = column.order(face.body) as f64;
+                let nodal = size[0] * size[1] / order.powi(column.dim as i32 - 1);
+                (case.materials[material].young_modulus, nodal)
             };
             let (below, above) = (about(lower), about(upper));
             let lower_is_softer_or_finer =
@@ -44,9 +46,7 @@ impl Sides {
 
     /// Whether a node lies on the secondary side.
     pub fn is_secondary(&self, column: &Column, node: u64) -> bool {
-        let place = column.node_place(node);
-        let k = if self.secondary.upper { column.extent(self.secondary.body)[2] } else { 0 };
-        place.body == self.secondary.body && place.at[2] == k
+        column.is_on(self.secondary, node)
     }
 
     /// Whether a cell has a facet on the secondary side.

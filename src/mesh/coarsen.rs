@@ -13,7 +13,9 @@ impl Column {
         let mut columns = vec![self.clone()];
         loop {
             let coarse = columns[columns.len() - 1].coarsened();
-            if coarse.cells() >= columns[columns.len() - 1].cells() || coarse.cells() < fewest {
+            let finer = &columns[columns.len() - 1];
+            let same = coarse.nodes() >= finer.nodes();
+            if same || coarse.cells() < fewest && coarse.cells() < finer.cells() {
                 columns.reverse();
                 return columns;
             }
@@ -21,9 +23,15 @@ impl Column {
         }
     }
 
-    /// The lattice with about twice the edges, body by body, along the axes where they are short.
+    /// The lattice with cells of first order where some are of second; else with about twice the
+    /// edges, body by body, along the axes where they are short.
     fn coarsened(&self) -> Self {
         let mut column = self.clone();
+        if (0..self.bodies()).any(|b| self.order(b) > 1) {
+            column.bodies.iter_mut().for_each(|body| body.order = 1);
+            column.number();
+            return column;
+        }
         for index in 0..self.bodies() {
             let n = self.extent(index);
             let edge = |axis: usize| {
@@ -74,18 +82,20 @@ impl Column {
         z.flat_map(|k| y.clone().flat_map(move |j| row(j, k).collect::<Vec<_>>())).collect()
     }
 
-    /// Where a node of the finer lattice `fine` lies in this one: along each axis the plane of
-    /// nodes at or below it, and how far it is from there to the next one (0 to below 1).
+    /// Where a node of the finer lattice `fine` lies in this one, whose cells are of first order:
+    /// along each axis the plane of nodes at or below it, and how far it is from there to the next
+    /// one (0 to below 1).
     pub fn place_in(&self, fine: &Self, node: NodePlace) -> ([usize; 3], [f64; 3]) {
         let (mut at, mut fraction) = ([0; 3], [0.0; 3]);
         for axis in axes(self.dim).iter().copied() {
-            let plane = fine.bodies[node.body].planes[axis][node.at[axis]];
+            let order = fine.order(node.body);
+            let plane = fine.bodies[node.body].planes[axis][node.at[axis] / order];
             let planes = &self.bodies[node.body].planes[axis];
             at[axis] = planes.partition_point(|p| *p <= plane) - 1;
-            if planes[at[axis]] != plane {
+            if planes[at[axis]] != plane || !node.at[axis].is_multiple_of(order) {
                 let (low, high) = (at[axis], at[axis] + 1);
                 let low = self.plane(node.body, axis, low);
-                let x = fine.plane(node.body, axis, node.at[axis]);
+                let x = fine.node_plane(node.body, axis, node.at[axis]);
                 fraction[axis] = (x - low) / (self.plane(node.body, axis, high) - low);
             }
         }

@@ -22,7 +22,9 @@ pub(super) struct Body {
     pub(super) layers: Vec<Layer>,
     /// Planes of the finest lattice, along x, y, z, that bound the cells of this column.
     pub(super) planes: [Vec<u32>; 3],
-    first_node: u64,
+    /// Order of the cells, 1 or 2.
+    pub(super) order: usize,
+    pub(super) first_node: u64,
     first_cell: u64,
 }
 
@@ -51,15 +53,6 @@ pub struct CellPlace {
     pub at: [usize; 3],
 }
 
-/// A node by its place, as [`CellPlace`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct NodePlace {
-    /// Body, counted from the bottom.
-    pub body: usize,
-    /// Position along x, y, z.
-    pub at: [usize; 3],
-}
-
 /// The facets of one horizontal face of a body: the side of an interface.
 #[derive(Debug, Clone, Copy)]
 pub struct Facets {
@@ -67,24 +60,6 @@ pub struct Facets {
     pub body: usize,
     /// Whether it is the body's upper face.
     pub upper: bool,
-}
-
-/// The named surfaces a node lies on, one bit each.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Surfaces(u8);
-
-impl Surfaces {
-    /// Bits in the order bottom, top, left, right, front, back.
-    const BITS: [(crate::case::Surface, u8); 6] = {
-        use crate::case::Surface::*;
-        [(Bottom, 1), (Top, 2), (Left, 4), (Right, 8), (Front, 16), (Back, 32)]
-    };
-
-    /// Whether the node lies on `surface`.
-    pub fn contains(self, surface: crate::case::Surface) -> bool {
-        surface == crate::case::Surface::All
-            || Self::BITS.iter().any(|(s, bit)| *s == surface && self.0 & bit != 0)
-    }
 }
 
 impl Column {
@@ -122,7 +97,8 @@ impl Column {
             let y = if dim == 2 { 1 } else { cells[1] << refinements };
             let finest = [cells[0] << refinements, y, layers.len() << refinements];
             let planes = finest.map(|n| (0..=n as u32).collect());
-            bodies.push(Body { finest, layers, planes, first_node: 0, first_cell: 0 });
+            let order = case.mesh.orders[index.min(case.mesh.orders.len() - 1)];
+            bodies.push(Body { finest, layers, planes, order, first_node: 0, first_cell: 0 });
         }
         let mut column = Self { dim, size, refinements, bodies };
         column.number();
@@ -145,9 +121,11 @@ impl Column {
     /// Gives nodes and cells their numbers.
     pub(super) fn number(&mut self) {
         let (mut first_node, mut first_cell) = (0, 0);
-        for body in &mut self.bodies {
+        for index in 0..self.bodies.len() {
+            let nodes = product(self.node_extent(index));
+            let body = &mut self.bodies[index];
             (body.first_node, body.first_cell) = (first_node, first_cell);
-            first_node += product(body.nodes(self.dim));
+            first_node += nodes;
             first_cell += product(body.extent());
         }
     }
@@ -163,19 +141,19 @@ impl Column {
         self.bodies[last].first_cell + product(self.extent(last))
     }
 
-    /// Number of nodes.
-    pub fn nodes(&self) -> u64 {
-        let last = self.bodies.len() - 1;
-        self.bodies[last].first_node + product(self.node_extent(last))
+    /// Order of the cells of a body: 1 or 2.
+    pub fn order(&self, body: usize) -> usize {
+        self.bodies[body].order
+    }
+
+    /// The highest order of the cells of any body.
+    pub fn highest_order(&self) -> usize {
+        self.bodies.iter().map(|b| b.order).max().unwrap_or(1)
     }
 
     /// Cells of a body along x, y, z.
     pub fn extent(&self, body: usize) -> [usize; 3] {
         self.bodies[body].extent()
-    }
-
-    fn node_extent(&self, body: usize) -> [usize; 3] {
-        self.bodies[body].nodes(self.dim)
     }
 
     /// The place of a cell.
@@ -190,41 +168,7 @@ impl Column {
         self.bodies[place.body].first_cell + flatten(place.at, self.extent(place.body))
     }
 
-    /// The place of a node.
-    pub fn node_place(&self, node: u64) -> NodePlace {
-        let body = self.bodies.partition_point(|b| b.first_node <= node) - 1;
-        let at = unflatten(node - self.bodies[body].first_node, self.node_extent(body));
-        NodePlace { body, at }
-    }
-
-    /// The number of a node.
-    pub fn node(&self, place: NodePlace) -> u64 {
-        self.bodies[place.body].first_node + flatten(place.at, self.node_extent(place.body))
-    }
-
-    /// The nodes of a cell in VTK order: 4 (quad4 in x, z) or 8 (hex8).
-    pub fn cell_nodes(&self, place: CellPlace) -> Vec<u64> {
-        let corner = |d: [usize; 3]| {
-            let at = [place.at[0] + d[0], place.at[1] + d[1], place.at[2] + d[2]];
-            self.node(NodePlace { body: place.body, at })
-        };
-        if self.dim == 2 {
-            [[0, 0, 0], [1, 0, 0], [1, 0, 1], [0, 0, 1]].map(corner).to_vec()
-        } else {
-            let low = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]];
-            let high = low.map(|d| [d[0], d[1], 1]);
-            low.into_iter().chain(high).map(corner).collect()
-        }
-    }
-
-    /// Position of a node (m).
-    pub fn point(&self, node: u64) -> [f64; 3] {
-        let NodePlace { body, at } = self.node_place(node);
-        let y = if self.dim == 2 { 0.0 } else { self.plane(body, 1, at[1]) };
-        [self.plane(body, 0, at[0]), y, self.plane(body, 2, at[2])]
-    }
-
-    /// Coordinate of a plane of nodes of a body along an axis (m).
+    /// Coordinate of a plane between cells of a body along an axis (m).
     pub fn plane(&self, body: usize, axis: usize, index: usize) -> f64 {
         let Body { finest, layers, planes, .. } = &self.bodies[body];
         let plane = planes[axis][index] as usize;
@@ -274,41 +218,10 @@ impl Column {
         ([edge(0), y, z], layer.material)
     }
 
-    /// The named surfaces a node lies on.
-    pub fn surfaces(&self, node: u64) -> Surfaces {
-        let NodePlace { body, at } = self.node_place(node);
-        let n = self.extent(body);
-        let flat = self.dim == 2;
-        let conditions = [
-            body == 0 && at[2] == 0,
-            body + 1 == self.bodies.len() && at[2] == n[2],
-            at[0] == 0,
-            at[0] == n[0],
-            !flat && at[1] == 0,
-            !flat && at[1] == n[1],
-        ];
-        Surfaces(conditions.iter().enumerate().map(|(bit, on)| u8::from(*on) << bit).sum())
-    }
-
     /// The cell behind a facet of a face; `at` is the facet's position along x, y.
     pub fn facet_cell(&self, face: Facets, at: [usize; 2]) -> CellPlace {
         let k = if face.upper { self.extent(face.body)[2] - 1 } else { 0 };
         CellPlace { body: face.body, at: [at[0], at[1], k] }
-    }
-
-    /// The nodes of a facet, in the order of line2 (x rising) or quad4 (counter-clockwise from
-    /// above).
-    pub fn facet_nodes(&self, face: Facets, at: [usize; 2]) -> Vec<u64> {
-        let k = if face.upper { self.extent(face.body)[2] } else { 0 };
-        let corner = |d: [usize; 2]| {
-            let at = [at[0] + d[0], at[1] + d[1], k];
-            self.node(NodePlace { body: face.body, at })
-        };
-        if self.dim == 2 {
-            [[0, 0], [1, 0]].map(corner).to_vec()
-        } else {
-            [[0, 0], [1, 0], [1, 1], [0, 1]].map(corner).to_vec()
-        }
     }
 
     /// The facets of `face` that overlap the box from `low` to `high` in the plane (m).
@@ -333,22 +246,17 @@ impl Body {
     fn extent(&self) -> [usize; 3] {
         [0, 1, 2].map(|axis| self.planes[axis].len() - 1)
     }
-
-    fn nodes(&self, dim: usize) -> [usize; 3] {
-        let [x, y, z] = self.extent();
-        [x + 1, if dim == 2 { 1 } else { y + 1 }, z + 1]
-    }
 }
 
-fn product(n: [usize; 3]) -> u64 {
+pub(super) fn product(n: [usize; 3]) -> u64 {
     n.iter().map(|n| *n as u64).product()
 }
 
-fn flatten(at: [usize; 3], n: [usize; 3]) -> u64 {
+pub(super) fn flatten(at: [usize; 3], n: [usize; 3]) -> u64 {
     at[0] as u64 + n[0] as u64 * (at[1] as u64 + n[1] as u64 * at[2] as u64)
 }
 
-fn unflatten(index: u64, n: [usize; 3]) -> [usize; 3] {
+pub(super) fn unflatten(index: u64, n: [usize; 3]) -> [usize; 3] {
     let (x, y) = (n[0] as u64, n[1] as u64);
     [(index % x) as usize, (index / x % y) as usize, (index / (x * y)) as usize]
 }

@@ -1,8 +1,8 @@
 //! The part of the mesh that one rank holds.
 
-use super::{Column, axes};
+use super::Column;
 
-/// A cell that stands for all its like: cells of one size and material are identical up to
+/// A cell that stands for all its like: cells of one size, material and order are identical up to
 /// translation, and share one stiffness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prototype {
@@ -10,6 +10,8 @@ pub struct Prototype {
     pub size: [f64; 3],
     /// Index of the material.
     pub material: usize,
+    /// 1 or 2.
+    pub order: usize,
 }
 
 /// The cells of one rank, with their nodes by local number.
@@ -38,13 +40,15 @@ impl LocalMesh {
         let cell_prototype = cells
             .iter()
             .map(|cell| {
-                let (size, material) = column.cell_size(column.cell_place(*cell));
+                let place = column.cell_place(*cell);
+                let (size, material) = column.cell_size(place);
+                let order = column.order(place.body);
                 let same = |s: &Prototype| {
-                    s.material == material
+                    (s.material, s.order) == (material, order)
                         && (0..3).all(|i| (s.size[i] - size[i]).abs() <= 1e-12 * size[i])
                 };
                 let index = prototypes.iter().position(same).unwrap_or_else(|| {
-                    prototypes.push(Prototype { size, material });
+                    prototypes.push(Prototype { size, material, order });
                     prototypes.len() - 1
                 });
                 index as u16
@@ -69,10 +73,5 @@ impl LocalMesh {
     /// Displacement components per node.
     pub fn dim(&self) -> usize {
         self.column.dim
-    }
-
-    /// Nodes per cell.
-    pub fn nodes_per_cell(&self) -> usize {
-        1 << axes(self.dim()).len()
     }
 }

@@ -7,9 +7,11 @@
 mod coarsen;
 mod column;
 mod local;
+mod nodes;
 
-pub use column::{CellPlace, Column, Facets, Layer, NodePlace, Surfaces};
+pub use column::{CellPlace, Column, Facets, Layer};
 pub use local::{LocalMesh, Prototype};
+pub use nodes::{NodePlace, Surfaces};
 
 /// The coordinate axes of the displacement components: x, z in 2D and x, y, z in 3D.
 pub fn axes(dim: usize) -> &'static [usize] {

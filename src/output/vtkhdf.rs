@@ -10,6 +10,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::comm::Comm;
+use crate::element::Shape;
 use ::hdf5::types::FixedAscii;
 use ::hdf5::{Group, H5Type};
 
@@ -19,24 +20,27 @@ use super::publisher::Publisher;
 use crate::error::{Error, Result};
 use crate::fault;
 
-/// VTK's number of a line with two nodes.
-pub const LINE: u8 = 3;
-/// VTK's number of a quadrilateral with four nodes.
-pub const QUADRILATERAL: u8 = 9;
-/// VTK's number of a hexahedron with eight nodes.
-pub const HEXAHEDRON: u8 = 12;
+/// VTK's number of a kind of cell.
+pub const fn cell_type(shape: Shape) -> u8 {
+    match shape {
+        Shape::Line2 => 3,
+        Shape::Quad4 => 9,
+        Shape::Hex8 => 12,
+        Shape::Line3 => 21,
+        Shape::Quad9 => 28,
+        Shape::Hex27 => 29,
+    }
+}
 
-/// One rank's share of a grid of cells of one kind.
+/// One rank's share of a grid.
 #[derive(Debug, Clone, Copy)]
 pub struct Grid<'a> {
     /// Positions of the points that this rank writes in m; of a 2D model (x, 0, z).
     pub points: &'a [[f64; 3]],
-    /// Points of this rank's cells as rows of the whole file, shape (cells, `nodes_per_cell`).
+    /// Points of this rank's cells as rows of the whole file, cell by cell.
     pub connectivity: &'a [i64],
-    /// Number of nodes of a cell, the same on all ranks.
-    pub nodes_per_cell: usize,
-    /// VTK's number of the kind of cell, the same on all ranks.
-    pub cell_type: u8,
+    /// The shape of each of this rank's cells.
+    pub shapes: &'a [Shape],
 }
 
 /// What the datasets of a grid are called, counts first.
@@ -134,7 +138,7 @@ pub fn write_grid(
 ) -> Result<()> {
     let writer = GridWriter::new(comm, path, grid);
     comm.agree(check(grid, writer.points.total, data))?;
-    let size = writer.size_of(data) + writer.size_of_grid(grid);
+    let size = writer.size_of(data) + writer.size_of_grid();
     writer.write(publisher, size, |file, group| {
         writer.grid(file, group, grid)?;
         writer.data(file, group, data, |_, _| Ok(()))
@@ -175,13 +179,10 @@ pub fn write_data(
 
 fn check(grid: &Grid, points: u64, data: Data) -> Result<()> {
     let bug = |text: String| Err(Error::Bug(format!("field output: {text}")));
-    let rows = grid.connectivity.len() / grid.nodes_per_cell;
-    if rows * grid.nodes_per_cell != grid.connectivity.len() {
-        return bug(format!(
-            "{} connectivity entries for cells of {} nodes",
-            grid.connectivity.len(),
-            grid.nodes_per_cell
-        ));
+    let (rows, nodes) = (grid.shapes.len(), grid.shapes.iter().map(|s| s.nodes()).sum::<usize>());
+    if nodes != grid.connectivity.len() {
+        let entries = grid.connectivity.len();
+        return bug(format!("{entries} connectivity entries for cells of {nodes} nodes"));
     }
     if let Some(row) = grid.connectivity.iter().find(|&&r| r < 0 || r as u64 >= points) {
         return bug(format!("connectivity names row {row} of {points} points"));
@@ -204,14 +205,15 @@ struct GridWriter<'a> {
     path: &'a Path,
     points: Rows,
     cells: Rows,
+    connectivity: Rows,
 }
 
 impl<'a> GridWriter<'a> {
     /// Collective.
     fn new(comm: &'a Comm, path: &'a Path, grid: &Grid) -> Self {
-        let cells = grid.connectivity.len() / grid.nodes_per_cell;
-        let (points, cells) = (rows_of(comm, grid.points.len()), rows_of(comm, cells));
-        Self { comm, path, points, cells }
+        let (points, cells) = (rows_of(comm, grid.points.len()), rows_of(comm, grid.shapes.len()));
+        let connectivity = rows_of(comm, grid.connectivity.len());
+        Self { comm, path, points, cells, connectivity }
     }
 
     /// Bytes of data, with ample room for names and shapes.
@@ -222,8 +224,8 @@ impl<'a> GridWriter<'a> {
     }
 
     /// Bytes of the grid.
-    fn size_of_grid(&self, grid: &Grid) -> u64 {
-        self.points.total * 24 + self.cells.total * (8 * grid.nodes_per_cell as u64 + 9)
+    fn size_of_grid(&self) -> u64 {
+        self.points.total * 24 + self.connectivity.total * 8 + self.cells.total * 9
     }
 
     fn explain(&self, outcome: std::io::Result<()>, size: u64) -> Result<()> {
@@ -283,12 +285,8 @@ impl<'a> GridWriter<'a> {
     }
 
     fn grid(&self, file: &CollectiveFile, group: &Group, grid: &Grid) -> Result<()> {
-        let (points, cells) = (self.points, self.cells);
+        let (points, cells, connectivity) = (self.points, self.cells, self.connectivity);
         let root = self.comm.is_root();
-        let connectivity = Rows {
-            first: cells.first * grid.nodes_per_cell as u64,
-            total: cells.total * grid.nodes_per_cell as u64,
-        };
         let totals = [points.total, cells.total, connectivity.total];
         for (name, total) in GRID.into_iter().zip(totals) {
             let own: &[i64] = if root { &[total as i64] } else { &[] };
@@ -298,13 +296,16 @@ impl<'a> GridWriter<'a> {
         self.rows(file, group, "Connectivity", connectivity, 1, grid.connectivity)?;
 
         // Offsets has one entry more than there are cells: rank 0 writes the leading zero.
-        let own = grid.connectivity.len() / grid.nodes_per_cell;
-        let ends =
-            (1..=own as u64).map(|i| ((cells.first + i) * grid.nodes_per_cell as u64) as i64);
+        let mut end = connectivity.first as i64;
+        let ends = grid.shapes.iter().map(|shape| {
+            end += shape.nodes() as i64;
+            end
+        });
         let offsets: Vec<i64> = root.then_some(0).into_iter().chain(ends).collect();
         let first = if root { 0 } else { cells.first + 1 };
         self.rows(file, group, "Offsets", Rows { first, total: cells.total + 1 }, 1, &offsets)?;
-        self.rows(file, group, "Types", cells, 1, &vec![grid.cell_type; own])
+        let types: Vec<u8> = grid.shapes.iter().map(|shape| cell_type(*shape)).collect();
+        self.rows(file, group, "Types", cells, 1, &types)
     }
 
     /// Writes data; `more` adds to the group of the given name.

@@ -46,7 +46,8 @@ pub fn check(path: &Path, overrides: &[String]) -> Result<String> {
     for sentence in &case.left_out {
         line("left out", sentence.clone())?;
     }
-    line("mesh", format!("{} cells, {unknowns} unknowns", column.cells()))?;
+    let order = case.mesh.order_words();
+    line("mesh", format!("{} cells{order}, {unknowns} unknowns", column.cells()))?;
     for (interface, side) in case.interfaces.iter().zip(Sides::choose(&case, &column)) {
         let secondary = if side.secondary.upper { "lower" } else { "upper" };
         let (name, law) = (&interface.name, interface.law.name());

@@ -2,12 +2,13 @@
 
 use crate::case::Case;
 use crate::comm::Comm;
+use crate::element::Shape;
 use crate::error::Result;
 use crate::mesh::axes;
 use crate::output::directory::OutputDirectory;
 use crate::output::publisher::Publisher;
 use crate::output::series::{Fixed, Series};
-use crate::output::vtkhdf::{Array, Data, Grid, HEXAHEDRON, LINE, QUADRILATERAL, Values};
+use crate::output::vtkhdf::{Array, Data, Grid, Values};
 use crate::solve::{Model, Problem};
 
 /// Writes the fields of every wanted instant.
@@ -62,8 +63,7 @@ impl FieldWriter {
             let grid = Grid {
                 points: &points,
                 connectivity: &side.connectivity,
-                nodes_per_cell: case.dim * 2 - 2,
-                cell_type: if case.dim == 2 { LINE } else { QUADRILATERAL },
+                shapes: &vec![side.shape; side.connectivity.len() / side.shape.nodes()],
             };
             let state = &problem.interfaces;
             let vectors = |of: &dyn Fn(usize) -> [f64; 3]| -> Vec<f64> {
@@ -121,12 +121,8 @@ impl FieldWriter {
             }
             stress.extend(all.cells.stiffness(cell).stress(&u));
         }
-        let grid = Grid {
-            points: &mesh.points,
-            connectivity: &mesh.connectivity,
-            nodes_per_cell: model.mesh.nodes_per_cell(),
-            cell_type: if dim == 2 { QUADRILATERAL } else { HEXAHEDRON },
-        };
+        let grid =
+            Grid { points: &mesh.points, connectivity: &mesh.connectivity, shapes: &mesh.shapes };
         let array = |name, components, values| Array { name, components, values };
         let known = Data {
             points: &[array("global_node_id", 1, Values::I64(&mesh.nodes))],
@@ -159,6 +155,7 @@ fn in_space(v: [f64; 3], dim: usize) -> [f64; 3] {
 /// The bulk mesh of one rank as the files hold it.
 struct BulkMesh {
     points: Vec<[f64; 3]>,
+    shapes: Vec<Shape>,
     connectivity: Vec<i64>,
     nodes: Vec<i64>,
     cells: Vec<i64>,
@@ -170,9 +167,11 @@ impl BulkMesh {
     fn new(comm: &Comm, model: &Model<'_>) -> Self {
         let all = &model.stepper.problem.all;
         let number = |n: &u32| i64::from(all.nodes.numbers[*n as usize]);
+        let shape = |p: &u16| Shape::of(all.dim, model.mesh.prototypes[*p as usize].order);
         let material = |p: &u16| model.mesh.prototypes[*p as usize].material as i32;
         Self {
             points: (0..all.nodes.owned as u32).map(|n| point(model, n)).collect(),
+            shapes: model.mesh.cell_prototype.iter().map(shape).collect(),
             connectivity: all.cells.connectivity().iter().map(number).collect(),
             nodes: all.nodes.names[..all.nodes.owned].iter().map(|n| *n as i64).collect(),
             cells: model.mesh.cells.iter().map(|c| *c as i64).collect(),
@@ -187,6 +186,7 @@ struct InterfaceGrid {
     /// Indices into `Discretization::secondary`.
     nodes: Vec<usize>,
     connectivity: Vec<i64>,
+    shape: Shape,
 }
 
 impl InterfaceGrid {
@@ -207,7 +207,9 @@ impl InterfaceGrid {
             .flatten()
             .map(|n| row[n as usize] as i64)
             .collect();
-        Self { nodes, connectivity }
+        let body = model.sides[interface].secondary.body;
+        let shape = Shape::of(all.dim - 1, model.mesh.column.order(body));
+        Self { nodes, connectivity, shape }
     }
 }
 

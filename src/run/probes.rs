@@ -1,7 +1,7 @@
 //! Displacements at given points.
 
 use crate::case::Case;
-use crate::element::{MAX_NODES, Shape};
+use crate::element::MAX_NODES;
 use crate::mesh::{LocalMesh, axes};
 use crate::solve::Problem;
 
@@ -16,7 +16,6 @@ pub struct Probe {
 /// The probes of this rank; each is on exactly one rank. A point on an interface belongs to the
 /// body below. Local.
 pub fn locate(case: &Case, mesh: &LocalMesh) -> Vec<Probe> {
-    let shape = if case.dim == 2 { Shape::Quad4 } else { Shape::Hex8 };
     let mut found = Vec::new();
     for (index, probe) in case.probes.iter().enumerate() {
         let (place, fraction) = mesh.column.locate(probe.at);
@@ -28,7 +27,7 @@ pub fn locate(case: &Case, mesh: &LocalMesh) -> Vec<Probe> {
             xi[component] = 2.0 * fraction[*axis] - 1.0;
         }
         let mut values = [0.0; MAX_NODES];
-        shape.values(xi, &mut values);
+        mesh.column.shape(place.body).values(xi, &mut values);
         found.push(Probe { index, nodes: mesh.column.cell_nodes(place), values });
     }
     found

@@ -130,7 +130,8 @@ pub fn describe(comm: &Comm, case: &Case, model: &Model<'_>) {
         tracing::info!("left out   {sentence}");
     }
     tracing::info!(
-        "mesh       {cells} cells, {} unknowns, {ranks} rank{}",
+        "mesh       {cells} cells{}, {} unknowns, {ranks} rank{}",
+        case.mesh.order_words(),
         model.unknowns,
         s(ranks)
     );

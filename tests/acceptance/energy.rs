@@ -28,11 +28,12 @@ fn table(values: impl Iterator<Item = f64>) -> String {
     format!("{{table: [[0, 0], {}]}}", rows.join(", "))
 }
 
-fn check(case: &str, cells: &str) {
+fn check(case: &str, cells: &str, order: usize) {
     let instants: Vec<String> = (1..=PATH.len()).map(|t| t.to_string()).collect();
     for (ranks, solver) in [(1, "mumps"), (2, "gamg"), (3, "hypre"), (4, "mumps")] {
         let run = Scene::shipped(case)
             .set(&format!("mesh.column.cells={cells}"))
+            .set(&format!("mesh.order={order}"))
             .set(&format!("solver.linear={solver}"))
             .set(&format!("time.instants=[{}]", instants.join(", ")))
             .set(&format!("boundary.1.displacement.x={}", table(PATH.iter().map(|p| p.0))))
@@ -51,11 +52,13 @@ fn check(case: &str, cells: &str) {
 
 #[test]
 fn balance_in_3d() {
-    check("wtnv146/case.yaml", "[1, 1, 5]");
-    check("wtnv146/case.yaml", "[3, 3, 10]");
+    check("wtnv146/case.yaml", "[1, 1, 5]", 1);
+    check("wtnv146/case.yaml", "[3, 3, 10]", 1);
+    check("wtnv146/case.yaml", "[2, 2, 5]", 2);
 }
 
 #[test]
 fn balance_in_2d() {
-    check("wtnv146/case_2d.yaml", "[4, 20]");
+    check("wtnv146/case_2d.yaml", "[4, 20]", 1);
+    check("wtnv146/case_2d.yaml", "[2, 10]", 2);
 }

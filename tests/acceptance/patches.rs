@@ -120,23 +120,31 @@ fn assert_constant_strain(run: &Run, dim: usize, interface: bool, relative: f64)
 
 /// Every ratio and secondary side, joined by `law`, on 1 to 4 ranks in turn.
 fn non_matching(dim: usize, law: &str) {
+    for ratio in [(2, 3), (2, 8), (8, 2), (11, 12)] {
+        joined(dim, law, ratio, [1, 1]);
+    }
+    // Orders that differ across the interface, and second order on both sides.
+    for (ratio, orders) in [((2, 3), [1, 2]), ((3, 3), [2, 1]), ((4, 3), [2, 2]), ((2, 5), [2, 2])]
+    {
+        joined(dim, law, ratio, orders);
+    }
+}
+
+/// Bodies of so many cells per edge and of these orders, either side as the secondary one.
+fn joined(dim: usize, law: &str, (lower, upper): (usize, usize), orders: [usize; 2]) {
     let bodies = |lower: usize, upper: usize| {
-        let cells = |n: usize| match dim {
-            2 => format!("[{n}, 2]"),
-            _ => format!("[{n}, {n}, 2]"),
+        let body = |n: usize, order: usize| match dim {
+            2 => format!("{{cells: [{n}, 2], order: {order}}}"),
+            _ => format!("{{cells: [{n}, {n}, 2], order: {order}}}"),
         };
-        format!("bodies: [{{cells: {}}}, {{cells: {}}}]", cells(lower), cells(upper))
+        format!("bodies: [{}, {}]", body(lower, orders[0]), body(upper, orders[1]))
     };
-    let mut ranks = 0;
-    for (lower, upper) in [(2, 3), (2, 8), (8, 2), (11, 12)] {
-        for secondary in ["", ", secondary: lower", ", secondary: upper"] {
-            ranks = ranks % 4 + 1;
-            let interfaces =
-                format!("interfaces: [{{name: joint, z: 0.4, law: {law}{secondary}}}]");
-            let run = patch(dim, &bodies(lower, upper), &interfaces).on(ranks);
-            let label = format!("{} {lower}:{upper}{secondary} {law}", run.label);
-            assert_constant_strain(&Run { label, ..run }, dim, true, 1e-10);
-        }
+    for (index, secondary) in ["", ", secondary: lower", ", secondary: upper"].iter().enumerate() {
+        let ranks = 1 + (index + lower + orders[0]) % 4;
+        let interfaces = format!("interfaces: [{{name: joint, z: 0.4, law: {law}{secondary}}}]");
+        let run = patch(dim, &bodies(lower, upper), &interfaces).on(ranks);
+        let label = format!("{} {lower}:{upper} {orders:?}{secondary} {law}", run.label);
+        assert_constant_strain(&Run { label, ..run }, dim, true, 1e-10);
     }
 }
 
@@ -168,8 +176,8 @@ fn unbroken_in_3d() {
 #[test]
 fn bulk() {
     for (dim, mesh) in [(2, "cells: [5, 4]"), (3, "cells: [5, 4, 3]")] {
-        for ranks in [1, 3] {
-            let run = patch(dim, mesh, "").on(ranks);
+        for (ranks, order) in [(1, 1), (3, 1), (1, 2), (3, 2)] {
+            let run = patch(dim, mesh, "").set(&format!("mesh.order={order}")).on(ranks);
             assert_constant_strain(&run, dim, false, 1e-12);
             let [x, y, z] = if dim == 2 { [SIZE[0], 1.0, SIZE[2]] } else { SIZE };
             let near = |name: &str, instant: usize, exact: f64, scale: f64| {

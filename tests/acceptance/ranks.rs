@@ -89,6 +89,13 @@ fn column_with_a_tilting_top() {
     the_same_everywhere(&tilting());
 }
 
+#[test]
+fn columns_of_second_order() {
+    for scene in [contracting(), tilting()] {
+        the_same_everywhere(&scene.set("mesh.order=2").set("mesh.column.cells=[3, 3, 12]"));
+    }
+}
+
 /// A flat block whose top slides and tilts: a part of the interface opens, a part stays pressed
 /// together, and all of it slides. With 0.5 m of rock on either side the bulk is stiffer than the
 /// softening slope, so that the solution is unique.
@@ -115,7 +122,7 @@ probes: [{{name: inside, at: [1.3, 2.9, 0.4]}}]
 
 /// `metis`: the numbers of ranks for which METIS cuts the mesh too.
 fn on_cut_interfaces(bodies: &str, metis: &[usize]) {
-    let scene = block(bodies);
+    let scene = block(bodies).in_any_steps();
     let one = scene.on(1);
     let least = one.column("joint.damage.min");
     let most = one.column("joint.damage.max");
@@ -153,10 +160,26 @@ fn block_11_against_12_with_a_scattered_partition() {
 }
 
 #[test]
+fn block_of_second_order_on_first_with_a_scattered_partition() {
+    on_cut_interfaces("bodies: [{cells: [5, 5, 1], order: 2}, {cells: [9, 9, 2]}]", &[3]);
+}
+
+#[test]
+fn block_of_second_order_with_a_scattered_partition() {
+    on_cut_interfaces("bodies: [{cells: [5, 5, 1], order: 2}, {cells: [6, 6, 1], order: 2}]", &[3]);
+}
+
+#[test]
 fn multigrid_on_a_scattered_partition() {
-    let scene = block("bodies: [{cells: [8, 8, 2]}, {cells: [12, 12, 2]}]").scattered();
-    let direct = scene.set("solver.linear=mumps").on(3);
-    for solver in ["gamg", "hypre", "multigrid"] {
-        direct.assert_same(&scene.set(&format!("solver.linear={solver}")).on(3), 1e-8);
+    for bodies in [
+        "bodies: [{cells: [8, 8, 2]}, {cells: [12, 12, 2]}]",
+        "bodies: [{cells: [4, 4, 1], order: 2}, {cells: [6, 6, 1], order: 2}]",
+        "bodies: [{cells: [4, 4, 1], order: 2}, {cells: [6, 6, 2]}]",
+    ] {
+        let scene = block(bodies).scattered().in_any_steps();
+        let direct = scene.set("solver.linear=mumps").on(3);
+        for solver in ["gamg", "hypre", "multigrid"] {
+            direct.assert_same(&scene.set(&format!("solver.linear={solver}")).on(3), 1e-8);
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::scene::Scene;
 
-fn column(lower: usize, upper: usize, factor: usize) -> Scene {
+fn column(lower: usize, upper: usize, factor: usize, order: usize) -> Scene {
     let cells = |n: usize| format!("[{0}, {0}, {1}]", n * factor, 2 * factor);
     let yaml = format!(
         "
@@ -20,16 +20,16 @@ probes: [{{name: inside, at: [0.3, 0.4, 2.3]}}]
         cells(lower),
         cells(upper)
     );
-    Scene::new("refined", &yaml)
+    Scene::new("refined", &yaml).set(&format!("mesh.order={order}"))
 }
 
-fn check(lower: usize, upper: usize) {
-    let at_once = column(lower, upper, 4).on(2);
+fn check(lower: usize, upper: usize, order: usize) {
+    let at_once = column(lower, upper, 4, order).on(2);
     let damage = at_once.column("joint.damage.max");
     assert!(damage[1] > 0.05, "{damage:?}");
     let coarse = 2 * (lower * lower + upper * upper) as u64;
     for ranks in [1, 3] {
-        let refined = column(lower, upper, 1).set("mesh.refine=2").on(ranks);
+        let refined = column(lower, upper, 1, order).set("mesh.refine=2").on(ranks);
         at_once.assert_same(&refined, 1e-10);
         assert_eq!(refined.report["cells"], at_once.report["cells"], "{}", refined.label);
         let before = &refined.report["partition"]["cells_before_distribution"];
@@ -40,10 +40,15 @@ fn check(lower: usize, upper: usize) {
 
 #[test]
 fn matching() {
-    check(2, 2);
+    check(2, 2, 1);
 }
 
 #[test]
 fn non_matching() {
-    check(2, 3);
+    check(2, 3, 1);
+}
+
+#[test]
+fn of_second_order() {
+    check(1, 2, 2);
 }

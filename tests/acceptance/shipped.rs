@@ -3,9 +3,13 @@
 use crate::scene::{SOLVERS, Scene};
 
 fn check(case: &str, least_expectations: usize) {
-    for (index, ranks) in [1, 2, 3, 4].into_iter().enumerate() {
-        let solver = SOLVERS[index % SOLVERS.len()];
-        let run = Scene::shipped(case).set(&format!("solver.linear={solver}")).on(ranks);
+    for (index, ranks) in [1, 2, 3, 4, 1, 2, 3, 4].into_iter().enumerate() {
+        let order = 1 + index / 4;
+        let solver = SOLVERS[(index + order - 1) % SOLVERS.len()];
+        let run = Scene::shipped(case)
+            .set(&format!("mesh.order={order}"))
+            .set(&format!("solver.linear={solver}"))
+            .on(ranks);
         assert_eq!(run.report["status"], "done", "{}", run.label);
         let expectations = run.report["expectations"].as_array().expect("a list");
         assert!(expectations.len() >= least_expectations, "{}", run.label);
@@ -21,6 +25,23 @@ fn contact_patch_in_2d() {
 #[test]
 fn contact_patch_in_3d() {
     check("ssnp121/case.yaml", 6);
+}
+
+#[test]
+fn layers() {
+    check("layered/case.yaml", 11);
+}
+
+#[test]
+fn fluid_pressure() {
+    check("fluid_pressure/case.yaml", 9);
+    check("fluid_pressure/case_cohesive.yaml", 13);
+}
+
+#[test]
+fn laws() {
+    check("laws/bilinear.yaml", 20);
+    check("laws/exponential_softening.yaml", 15);
 }
 
 #[test]
@@ -47,9 +68,13 @@ fn cohesive_bar() {
             (u - 0.5 * critical) / (length / young_modulus - 0.5 * critical / strength) * 1e6
         })
         .to_vec();
-    for (ranks, solver) in [(1, "mumps"), (2, "gamg"), (3, "hypre"), (4, "mumps")] {
-        let run =
-            Scene::shipped("v101359/case.yaml").set(&format!("solver.linear={solver}")).on(ranks);
+    for (ranks, solver, order) in
+        [(1, "mumps", 1), (2, "gamg", 1), (3, "hypre", 1), (4, "mumps", 1), (2, "multigrid", 2)]
+    {
+        let run = Scene::shipped("v101359/case.yaml")
+            .set(&format!("mesh.order={order}"))
+            .set(&format!("solver.linear={solver}"))
+            .on(ranks);
         run.assert_column("joint.normal_traction", &traction, 1e-8, 0.0);
     }
 }

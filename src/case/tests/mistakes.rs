@@ -239,7 +239,6 @@ fn a_mistake_in_an_override_is_told_with_the_override() {
 fn what_is_planned_is_refused_as_not_yet_available() {
     for assignment in [
         "mesh.file=block.msh",
-        "mesh.order=2",
         "interfaces.0.fluid={pressure: 1.0e7, connected: true}",
         "boundary.2={on: top, pressure: 3}",
         "boundary.2={on: top, flux: 1}",

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::segments::{SegmentPoint, matching_nodes, overlap};
-use super::{DualBasis, PlaneFacet};
-use crate::element::{MAX_NODES, QuadraturePoint};
+use super::{DualBasis, MOST_NODES, PlaneFacet};
+use crate::element::QuadraturePoint;
 use crate::error::{Error, Result};
 
 /// What one secondary facet adds to the weighted jump of one of its nodes,
@@ -38,8 +38,8 @@ const COVERED: f64 = 1e-12;
 /// One contribution per kept node and group of components with the same dropped nodes; none where
 /// all nodes of the facet are dropped. If one of the primaries has the same nodes as the facet, its
 /// coefficients are the secondary ones permuted, bit for bit. Else the basis is biorthogonal with
-/// respect to the very points at which the primary side is sampled, so that constants and linears
-/// are reproduced on facets of any shape.
+/// respect to the very points at which the primary side is sampled, so that what both sides can
+/// represent is reproduced on facets of any shape.
 ///
 /// # Errors
 /// `Input` if the facet has no area, or if the primaries do not cover it exactly once; `Bug` if the
@@ -50,7 +50,7 @@ const COVERED: f64 = 1e-12;
 pub fn facet_rows(
     secondary: &PlaneFacet,
     primaries: &[&PlaneFacet],
-    dropped: &[u8],
+    dropped: &[u16],
 ) -> Result<Vec<Contribution>> {
     let area = secondary.area();
     if !(area.is_finite() && area > 0.0) {
@@ -85,7 +85,7 @@ pub fn facet_rows(
             let others = (0..secondary.nodes().len()).filter(|k| !basis.kept().contains(k));
             let local: Vec<(usize, f64)> =
                 std::iter::once(i).chain(others).map(|k| (k, basis.integrals(i)[k])).collect();
-            let mut primary: Vec<(u64, f64)> = match twin {
+            let mut primary: Vec<(u64, f64)> = match &twin {
                 Some((p, order)) => local.iter().map(|&(k, c)| (p.nodes()[order[k]], c)).collect(),
                 None => std::mem::take(&mut sampled[i]).into_iter().collect(),
             };
@@ -132,11 +132,11 @@ fn cover<'a>(secondary: &PlaneFacet, primaries: &[&'a PlaneFacet]) -> Result<Seg
 }
 
 /// For each local node i, the integrals of Phi_i against the basis of the primary nodes.
-fn sample(basis: &DualBasis, segments: &Segments) -> [BTreeMap<u64, f64>; 4] {
-    let mut out: [BTreeMap<u64, f64>; 4] = Default::default();
-    let (mut phi, mut values) = ([0.0; 4], [0.0; MAX_NODES]);
+fn sample(basis: &DualBasis, segments: &Segments) -> [BTreeMap<u64, f64>; MOST_NODES] {
+    let mut out: [BTreeMap<u64, f64>; MOST_NODES] = Default::default();
+    let (mut phi, mut values) = ([0.0; MOST_NODES], [0.0; MOST_NODES]);
     for (primary, points) in segments {
-        let mut sums = [[0.0; 4]; 4];
+        let mut sums = [[0.0; MOST_NODES]; MOST_NODES];
         for p in points {
             basis.values(p.xi, &mut phi);
             primary.shape().values(p.eta, &mut values);
@@ -173,8 +173,8 @@ fn balance(row: &Contribution, facet: &PlaneFacet, points: usize) -> Result<()> 
 
 fn place(facet: &PlaneFacet) -> String {
     let [x, y] = facet.centre();
-    match facet.nodes().len() {
-        2 => format!("{x:.6} m along the interface"),
+    match facet.shape().dim() {
+        1 => format!("{x:.6} m along the interface"),
         _ => format!("({x:.6}, {y:.6}) m in its plane"),
     }
 }

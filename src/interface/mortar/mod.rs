@@ -9,8 +9,8 @@
 //!
 //! Order of use: [`candidates`] for the pairs, then [`facet_rows`] per secondary facet; sum the
 //! [`Contribution`]s of a node over its facets, and divide by the summed diagonal for P = D^-1 M.
-//! Invariants: the rows reproduce constants and linears for any pair of meshes; sum over primary =
-//! sum over secondary = weight; matching facets give a permutation to the last bit.
+//! Invariants: the rows reproduce the polynomials of either side's order for any pair of meshes; sum
+//! over primary = sum over secondary = weight; matching facets give a permutation to the last bit.
 
 mod candidates;
 mod dual;
@@ -18,11 +18,16 @@ mod facet;
 mod integrate;
 mod segments;
 
+use crate::element::Shape;
+
 pub use candidates::candidates;
 pub use dual::DualBasis;
 pub use facet::PlaneFacet;
 pub use integrate::{Contribution, facet_rows};
 pub use segments::{SegmentPoint, matching_nodes, overlap};
+
+/// Nodes of the facet that has most.
+const MOST_NODES: usize = Shape::Quad9.nodes();
 
 #[cfg(test)]
 mod patch_tests;

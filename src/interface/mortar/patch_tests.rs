@@ -48,6 +48,24 @@ pub fn lines(n: usize, seed: u64, first: u64) -> Vec<PlaneFacet> {
         .collect()
 }
 
+/// The same facets with nodes of second order: those at one place have one number.
+fn second_order(facets: Vec<PlaneFacet>, first: u64) -> Vec<PlaneFacet> {
+    let mut numbers: BTreeMap<[u64; 2], u64> = BTreeMap::new();
+    facets
+        .iter()
+        .map(|facet| {
+            let shape = Shape::of(facet.shape().dim(), 2);
+            let plain = PlaneFacet::new(shape, &vec![0; shape.nodes()], facet.corners());
+            let number = |x: &[f64; 2]| {
+                let next = first + numbers.len() as u64;
+                *numbers.entry(x.map(|x| (x * 1e9).round() as u64)).or_insert(next)
+            };
+            let nodes: Vec<u64> = plain.positions().iter().map(number).collect();
+            PlaneFacet::new(shape, &nodes, facet.corners())
+        })
+        .collect()
+}
+
 fn rows(
     secondary: &[PlaneFacet],
     primary: &[PlaneFacet],
@@ -60,7 +78,7 @@ fn rows(
             pairs.iter().filter(|pair| pair.0 == s).map(|pair| &primary[pair.1]).collect();
         let mut mask = 0;
         for (b, &x) in facet.positions().iter().enumerate() {
-            mask |= u8::from(dropped(x)) << b;
+            mask |= u16::from(dropped(x)) << b;
         }
         out.extend(facet_rows(facet, &near, &[mask, mask]).unwrap());
     }
@@ -108,8 +126,17 @@ fn check(secondary: &[PlaneFacet], primary: &[PlaneFacet], dropped: impl Fn([f64
             coefficients.iter().for_each(|(k, c)| *forces.entry(*k).or_default() += c);
         }
         for facet in facets {
-            let share = facet.area() / facet.nodes().len() as f64;
-            facet.nodes().iter().for_each(|k| *forces.entry(*k).or_default() -= share);
+            let consistent = |k: usize| -> f64 {
+                let mut values = [0.0; MOST_NODES];
+                let value = |p: &crate::element::QuadraturePoint| {
+                    facet.shape().values(p.xi, &mut values);
+                    p.weight * values[k]
+                };
+                facet.points().iter().map(value).sum()
+            };
+            for (k, node) in facet.nodes().iter().enumerate() {
+                *forces.entry(*node).or_default() -= consistent(k);
+            }
         }
         assert!(forces.values().all(|f| f.abs() < 1e-14 * area));
     }
@@ -123,6 +150,67 @@ fn linear_fields_and_uniform_tractions_pass_any_pair_of_grids() {
         let seed = seed as u64;
         check(&grid([a, a], seed, 0), &grid([b, b], seed + 7, 1000), |_| false);
         check(&lines(a, seed, 0), &lines(b, seed + 7, 1000), |_| false);
+    }
+}
+
+/// Of second order on either side or on both.
+#[test]
+fn they_pass_with_facets_of_second_order() {
+    type Make = fn(Vec<PlaneFacet>, u64) -> Vec<PlaneFacet>;
+    let (plain, curved): (Make, Make) = (|facets, _| facets, second_order);
+    for (one, other) in [(curved, plain), (plain, curved), (curved, curved)] {
+        for (seed, (a, b)) in RATIOS.into_iter().enumerate() {
+            let seed = seed as u64;
+            let secondary = one(grid([a + 1, a + 1], seed, 0), 0);
+            let primary = other(grid([b, b], seed + 7, 1000), 1000);
+            check(&secondary, &primary, |_| false);
+            check(&secondary, &primary, |x| x[0] == 0.0 || x[1] == 1.0);
+            let (secondary, primary) =
+                (one(lines(a + 1, seed, 0), 0), other(lines(b, seed + 7, 1000), 1000));
+            check(&secondary, &primary, |_| false);
+            check(&secondary, &primary, |x| x[0] == 0.0);
+        }
+    }
+}
+
+/// A traction that varies linearly is carried without a loss, and quadratic fields make no jump.
+#[test]
+fn second_order_reproduces_quadratic_fields_and_linear_tractions() {
+    for (seed, (a, b)) in RATIOS.into_iter().enumerate() {
+        let seed = seed as u64;
+        let secondary = second_order(grid([a, a], seed, 0), 0);
+        let primary = second_order(grid([b, b], seed + 7, 1000), 1000);
+        let place: BTreeMap<u64, [f64; 2]> =
+            places(&secondary).into_iter().chain(places(&primary)).collect();
+        let rows = assemble(&rows(&secondary, &primary, |_| false));
+        let field = |x: [f64; 2]| x[0] * x[0] - 3.0 * x[0] * x[1] + 0.5 * x[1] * x[1];
+        for (node, (_, here, there)) in &rows {
+            let sum = |side: &BTreeMap<u64, f64>| -> f64 {
+                side.iter().map(|(k, c)| c * field(place[k])).sum::<f64>() / here[node]
+            };
+            assert!((sum(here) - sum(there)).abs() < 1e-13, "node {node}");
+        }
+        let traction = |x: [f64; 2]| 1.0 + x[0] - 2.0 * x[1];
+        let mut forces: BTreeMap<u64, f64> = BTreeMap::new();
+        for (node, row) in &rows {
+            for (k, c) in &row.2 {
+                *forces.entry(*k).or_default() += c * traction(place[node]);
+            }
+        }
+        let mut values = [0.0; MOST_NODES];
+        for facet in &primary {
+            for p in facet.points() {
+                facet.shape().values(p.xi, &mut values);
+                let nodes = facet.nodes().iter().zip(values);
+                let x: [f64; 2] = nodes
+                    .clone()
+                    .fold([0.0; 2], |x, (k, n)| [x[0] + n * place[k][0], x[1] + n * place[k][1]]);
+                nodes.for_each(|(k, n)| {
+                    *forces.entry(*k).or_default() -= p.weight * n * traction(x)
+                });
+            }
+        }
+        assert!(forces.values().all(|f| f.abs() < 1e-13), "{a}:{b} {forces:?}");
     }
 }
 

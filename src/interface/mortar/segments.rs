@@ -27,21 +27,21 @@ const MATCH: f64 = 1e-9;
 /// Appends the integration points of the overlap to `points`; returns its area, m2 (length, m).
 ///
 /// Lines: 3 Gauss points on the common interval. Quadrilaterals: the common polygon
-/// (Sutherland-Hodgman), fanned into triangles with a rule of degree 4 each, which integrates
-/// products of bilinear functions on parallelograms exactly.
+/// (Sutherland-Hodgman), fanned into triangles with a rule of degree 4 each, or of degree 8 if one
+/// facet is of second order: products of basis functions on parallelograms are integrated exactly.
 pub fn overlap(
     secondary: &PlaneFacet,
     primary: &PlaneFacet,
     points: &mut Vec<SegmentPoint>,
 ) -> f64 {
-    let origin = secondary.positions()[0];
+    let origin = secondary.corners()[0];
     let (secondary, primary) = (secondary.relative_to(origin), primary.relative_to(origin));
     let mut push = |point: [f64; 2], weight: f64| {
         let (xi, eta) = (secondary.locate(point), primary.locate(point));
         points.push(SegmentPoint { xi, eta, weight });
     };
     match secondary.shape() {
-        Shape::Line2 => {
+        Shape::Line2 | Shape::Line3 => {
             let Some([low, high]) = common_interval(&secondary, &primary) else { return 0.0 };
             let length = high - low;
             for p in gauss(Shape::Line2, 3) {
@@ -59,8 +59,9 @@ pub fn overlap(
             if area <= NO_AREA * secondary.area() {
                 return 0.0;
             }
+            let degree = 4 * secondary.shape().order().max(primary.shape().order());
             for (t, area) in fan {
-                for p in triangle(4) {
+                for p in triangle(degree) {
                     let [a, b, c] = p.barycentric;
                     let x = std::array::from_fn(|d| a * t[0][d] + b * t[1][d] + c * t[2][d]);
                     push(x, p.weight * area);
@@ -72,20 +73,17 @@ pub fn overlap(
 }
 
 /// If the facets coincide node by node: for each local secondary node the local primary node at
-/// the same place (the leading `nodes()` entries).
-pub fn matching_nodes(secondary: &PlaneFacet, primary: &PlaneFacet) -> Option<[usize; 4]> {
+/// the same place.
+pub fn matching_nodes(secondary: &PlaneFacet, primary: &PlaneFacet) -> Option<Vec<usize>> {
     if secondary.shape() != primary.shape() {
         return None;
     }
     let near = MATCH * secondary.size();
-    let mut out = [0; 4];
-    for (a, x) in secondary.positions().iter().enumerate() {
-        out[a] = primary
-            .positions()
-            .iter()
-            .position(|y| (x[0] - y[0]).abs() <= near && (x[1] - y[1]).abs() <= near)?;
-    }
-    Some(out)
+    let there = primary.positions();
+    let twin = |x: &[f64; 2]| {
+        there.iter().position(|y| (x[0] - y[0]).abs() <= near && (x[1] - y[1]).abs() <= near)
+    };
+    secondary.positions().iter().map(twin).collect()
 }
 
 fn common_interval(secondary: &PlaneFacet, primary: &PlaneFacet) -> Option<[f64; 2]> {
@@ -109,8 +107,8 @@ fn common_interval(secondary: &PlaneFacet, primary: &PlaneFacet) -> Option<[f64;
 fn common_polygon(secondary: &PlaneFacet, primary: &PlaneFacet) -> Vec<[f64; 2]> {
     let near = ON_LINE * secondary.size();
     let turn = primary.signed_area().signum();
-    let corners = primary.positions();
-    let mut polygon = secondary.positions().to_vec();
+    let corners = primary.corners();
+    let mut polygon = secondary.corners().to_vec();
     let mut cut = Vec::with_capacity(8);
     for (i, &a) in corners.iter().enumerate() {
         let b = corners[(i + 1) % corners.len()];
@@ -211,7 +209,7 @@ mod tests {
             |(centre, angle, aspect, shake, reverse)| {
                 let (sin, cos) = angle.sin_cos();
                 let mut positions: [[f64; 2]; 4] = std::array::from_fn(|a| {
-                    let v = Shape::Quad4.vertices()[a];
+                    let v = Shape::Quad4.node_points()[a];
                     let x = [aspect * v[0] + shake[2 * a] * aspect, v[1] + shake[2 * a + 1]];
                     [centre.0 + cos * x[0] - sin * x[1], centre.1 + sin * x[0] + cos * x[1]]
                 });
@@ -248,8 +246,8 @@ mod tests {
                     let first = points.len();
                     sum += overlap(&facet, &cell, &mut points);
                     for p in &points[first..] {
-                        let here = map_point(Shape::Quad4, facet.positions(), p.xi);
-                        let there = map_point(Shape::Quad4, cell.positions(), p.eta);
+                        let here = map_point(Shape::Quad4, facet.corners(), p.xi);
+                        let there = map_point(Shape::Quad4, cell.corners(), p.eta);
                         let apart = (here[0] - there[0]).hypot(here[1] - there[1]);
                         prop_assert!(apart < 1e-13);
                         prop_assert!(p.eta.iter().chain(&p.xi).all(|c| c.abs() < 1.0 + 1e-9));
