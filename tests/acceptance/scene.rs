@@ -50,12 +50,14 @@ pub struct Scene {
     sets: Vec<String>,
     scattered: bool,
     may_cut: bool,
+    fields: bool,
 }
 
 /// What a run left behind.
 pub struct Run {
     /// Scene and ranks, for messages.
     pub label: String,
+    pub directory: PathBuf,
     pub table: Table,
     pub report: serde_json::Value,
     pub screen: String,
@@ -75,14 +77,14 @@ impl Scene {
     /// A case of `cases/`.
     pub fn shipped(name: &str) -> Self {
         let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases").join(name);
-        Self { case, sets: Vec::new(), scattered: false, may_cut: false }
+        Self { case, sets: Vec::new(), scattered: false, may_cut: false, fields: false }
     }
 
     /// A case of its own.
     pub fn new(name: &str, yaml: &str) -> Self {
         let case = fresh().join(format!("{name}.yaml"));
         fs::write(&case, yaml).expect("the build directory is writable");
-        Self { case, sets: Vec::new(), scattered: false, may_cut: false }
+        Self { case, sets: Vec::new(), scattered: false, may_cut: false, fields: false }
     }
 
     /// The same with a value of the case replaced.
@@ -102,6 +104,11 @@ impl Scene {
         Self { may_cut: true, ..self.clone() }
     }
 
+    /// The same, which leaves field files behind.
+    pub fn with_fields(&self) -> Self {
+        Self { fields: true, ..self.clone() }
+    }
+
     /// Runs the scene; it has to end well, every instant in one step unless more are allowed.
     pub fn on(&self, ranks: usize) -> Run {
         let directory = fresh();
@@ -119,7 +126,8 @@ impl Scene {
         }
         args.extend([self.case.to_string_lossy().into_owned(), "--verbose".into()]);
         args.extend(["--output".into(), directory.to_string_lossy().into_owned()]);
-        args.extend(["--overwrite".into(), "--set".into(), "output.fields=none".into()]);
+        let fields = if self.fields { "all" } else { "none" };
+        args.extend(["--overwrite".into(), "--set".into(), format!("output.fields={fields}")]);
         args.extend(self.sets.iter().flat_map(|s| ["--set".to_string(), s.clone()]));
         let args: Vec<&str> = args.iter().map(String::as_str).collect();
         let program = if self.scattered { "env" } else { PROGRAM };
@@ -134,7 +142,7 @@ impl Scene {
         let table = Table::read(&directory.join("history.csv")).expect("a complete history");
         let report = fs::read_to_string(directory.join("report.json")).expect("a report");
         let report = serde_json::from_str(&report).expect("valid JSON");
-        Run { label, table, report, screen }
+        Run { label, directory, table, report, screen }
     }
 }
 

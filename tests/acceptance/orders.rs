@@ -1,0 +1,246 @@
+//! Observed orders of convergence with an interface that opens unevenly.
+
+use std::path::Path;
+
+use column_hpc::element::{Shape, gauss, map_point, mapping};
+
+use crate::lorentz;
+use crate::manufactured::{HEIGHT, Manufactured};
+use crate::scene::{Run, Scene};
+
+/// Relative errors: displacement in L2, strain in energy, traction with the weights of the nodes.
+#[derive(Debug, Clone, Copy)]
+struct Errors {
+    displacement: f64,
+    energy: f64,
+    traction: f64,
+}
+
+/// What is exact at a point of the lower or upper body.
+trait Exact {
+    /// Displacement, its gradient and Lame's constants.
+    fn bulk(&self, upper: bool, point: [f64; 3]) -> ([f64; 3], [[f64; 3]; 3], (f64, f64));
+    fn traction(&self, point: [f64; 3]) -> [f64; 3];
+}
+
+impl Exact for Manufactured {
+    fn bulk(&self, upper: bool, point: [f64; 3]) -> ([f64; 3], [[f64; 3]; 3], (f64, f64)) {
+        self.at(upper, point)
+    }
+
+    fn traction(&self, point: [f64; 3]) -> [f64; 3] {
+        Manufactured::traction(self, point)
+    }
+}
+
+struct Lorentz;
+
+impl Exact for Lorentz {
+    fn bulk(&self, upper: bool, point: [f64; 3]) -> ([f64; 3], [[f64; 3]; 3], (f64, f64)) {
+        lorentz::at(upper, point)
+    }
+
+    fn traction(&self, point: [f64; 3]) -> [f64; 3] {
+        lorentz::traction(point)
+    }
+}
+
+/// A grid of a field file.
+struct Grid {
+    points: Vec<[f64; 3]>,
+    cells: Vec<(Shape, Vec<usize>)>,
+    values: Vec<[f64; 3]>,
+}
+
+fn rows(dataset: &hdf5::Dataset) -> Vec<[f64; 3]> {
+    dataset.read_raw::<f64>().expect("numbers").as_chunks::<3>().0.to_vec()
+}
+
+fn read(path: &Path, array: &str) -> Grid {
+    let file = hdf5::File::open(path).expect("a field file");
+    let group = file.group("VTKHDF").expect("the group of the format");
+    let list = |name: &str| group.dataset(name).expect(name).read_raw::<i64>().expect("numbers");
+    let (connectivity, offsets) = (list("Connectivity"), list("Offsets"));
+    let types = group.dataset("Types").expect("Types").read_raw::<u8>().expect("numbers");
+    let shape = |number: u8| match number {
+        3 => Shape::Line2,
+        9 => Shape::Quad4,
+        12 => Shape::Hex8,
+        21 => Shape::Line3,
+        28 => Shape::Quad9,
+        29 => Shape::Hex27,
+        other => panic!("cells of type {other}"),
+    };
+    let nodes = |ends: &[i64]| {
+        connectivity[ends[0] as usize..ends[1] as usize].iter().map(|n| *n as usize).collect()
+    };
+    let cells = offsets.windows(2).zip(types).map(|(ends, t)| (shape(t), nodes(ends))).collect();
+    let values = group.dataset(&format!("PointData/{array}")).expect(array);
+    Grid { points: rows(&group.dataset("Points").expect("Points")), cells, values: rows(&values) }
+}
+
+/// Components that a 2D or 3D cell has.
+fn plane<const DIM: usize>(x: [f64; 3]) -> [f64; DIM] {
+    std::array::from_fn(|i| if DIM == 2 && i == 1 { x[2] } else { x[i] })
+}
+
+/// Squares of error and exact values: displacement, energy.
+fn bulk_errors<const DIM: usize>(grid: &Grid, exact: &impl Exact) -> [[f64; 2]; 2] {
+    let mut sums = [[0.0; 2]; 2];
+    for (shape, nodes) in &grid.cells {
+        let points: Vec<[f64; DIM]> = nodes.iter().map(|n| plane(grid.points[*n])).collect();
+        let upper = nodes.iter().map(|n| grid.points[*n][2]).fold(0.0, f64::max) > HEIGHT + 1e-9;
+        for q in gauss(*shape, 5) {
+            let map = mapping(*shape, &points, q.xi);
+            let weight = q.weight * map.determinant;
+            let (mut n, mut gradients) = ([0.0; 27], [[0.0; 3]; 27]);
+            shape.values(q.xi, &mut n);
+            shape.gradients(q.xi, &mut gradients);
+            let x = map_point(*shape, &points, q.xi);
+            let point = if DIM == 2 { [x[0], 0.0, x[1]] } else { [x[0], x[1], x[DIM - 1]] };
+            let (u, h, (lambda, mu)) = exact.bulk(upper, point);
+            let (mut uh, mut hh) = ([0.0; 3], [[0.0; 3]; 3]);
+            let axes: &[usize] = if DIM == 2 { &[0, 2] } else { &[0, 1, 2] };
+            for (a, node) in nodes.iter().enumerate() {
+                let gradient = map.gradient(gradients[a], DIM);
+                for i in 0..3 {
+                    uh[i] += n[a] * grid.values[*node][i];
+                    for (k, j) in axes.iter().enumerate() {
+                        hh[i][*j] += grid.values[*node][i] * gradient[k];
+                    }
+                }
+            }
+            let energy = |h: &dyn Fn(usize, usize) -> f64| -> f64 {
+                let trace: f64 = (0..3).map(|i| h(i, i)).sum();
+                let strain = |i: usize, j: usize| 0.5 * (h(i, j) + h(j, i));
+                let square: f64 = (0..9).map(|k| strain(k / 3, k % 3).powi(2)).sum();
+                lambda * trace * trace + 2.0 * mu * square
+            };
+            sums[0][0] += weight * (0..3).map(|i| (u[i] - uh[i]).powi(2)).sum::<f64>();
+            sums[0][1] += weight * u.iter().map(|u| u * u).sum::<f64>();
+            sums[1][0] += weight * energy(&|i, j| h[i][j] - hh[i][j]);
+            sums[1][1] += weight * energy(&|i, j| h[i][j]);
+        }
+    }
+    sums
+}
+
+/// Squares of error and exact traction, each node with the integral of its shape function.
+fn traction_errors(grid: &Grid, dim: usize, exact: &impl Exact) -> [f64; 2] {
+    let mut weight = vec![0.0; grid.points.len()];
+    for (shape, nodes) in &grid.cells {
+        let far = |i: usize| {
+            let values = nodes.iter().map(|n| grid.points[*n][i]);
+            values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
+        };
+        let measure = if dim == 2 { far(0) } else { far(0) * far(1) };
+        for q in gauss(*shape, 3) {
+            let mut n = [0.0; 27];
+            shape.values(q.xi, &mut n);
+            let part = q.weight * measure / f64::from(1 << shape.dim());
+            nodes.iter().zip(n).for_each(|(node, n)| weight[*node] += n * part);
+        }
+    }
+    let mut sums = [0.0; 2];
+    for ((point, value), weight) in grid.points.iter().zip(&grid.values).zip(weight) {
+        let t = exact.traction(*point);
+        sums[0] += weight * (0..3).map(|i| (t[i] - value[i]).powi(2)).sum::<f64>();
+        sums[1] += weight * t.iter().map(|t| t * t).sum::<f64>();
+    }
+    sums
+}
+
+fn errors(run: &Run, dim: usize, exact: &impl Exact) -> Errors {
+    let file = |name: &str| run.directory.join(format!("fields/{name}_000001.vtkhdf"));
+    let bulk = read(&file("bulk"), "displacement");
+    let [displacement, energy] =
+        if dim == 2 { bulk_errors::<2>(&bulk, exact) } else { bulk_errors::<3>(&bulk, exact) };
+    let traction = traction_errors(&read(&file("joint"), "traction"), dim, exact);
+    let relative = |[error, exact]: [f64; 2]| (error / exact).sqrt();
+    Errors {
+        displacement: relative(displacement),
+        energy: relative(energy),
+        traction: relative(traction),
+    }
+}
+
+/// Cells of the two bodies along an edge of the base: level by level twice as many.
+fn bodies(dim: usize, order: usize, [lower, upper]: [usize; 2]) -> String {
+    let body = |n: usize| {
+        let height = n.div_ceil(2);
+        if dim == 2 {
+            format!("{{cells: [{n}, {height}], order: {order}}}")
+        } else {
+            format!("{{cells: [{n}, {n}, {height}], order: {order}}}")
+        }
+    };
+    format!("[{}, {}]", body(lower), body(upper))
+}
+
+/// Errors over the levels and the orders between the last two.
+fn observed(
+    exact: &impl Exact,
+    (dim, order): (usize, usize),
+    coarsest: [usize; 2],
+    levels: u32,
+    scene: impl Fn(&str) -> Scene,
+) -> Errors {
+    let run = |level: u32| {
+        let cells = coarsest.map(|n| n << level);
+        let run = scene(&bodies(dim, order, cells)).in_any_steps().with_fields().on(1);
+        errors(&run, dim, exact)
+    };
+    let all: Vec<Errors> = (0..levels).map(run).collect();
+    let between =
+        |of: fn(&Errors) -> f64| (of(&all[all.len() - 2]) / of(&all[all.len() - 1])).log2();
+    let orders = Errors {
+        displacement: between(|e| e.displacement),
+        energy: between(|e| e.energy),
+        traction: between(|e| e.traction),
+    };
+    println!("{dim}D, order {order}, {coarsest:?}: {orders:.2?} from {all:.9?}");
+    orders
+}
+
+fn check(dim: usize, order: usize, coarsest: [usize; 2], levels: u32) {
+    let exact = Manufactured::new(dim);
+    let scene = |bodies: &str| Scene::new("manufactured", &exact.yaml(bodies));
+    let orders = observed(&exact, (dim, order), coarsest, levels, scene);
+    assert_optimal((dim, order), coarsest, orders);
+}
+
+fn assert_optimal((dim, order): (usize, usize), coarsest: [usize; 2], orders: Errors) {
+    let p = order as f64;
+    assert!(orders.displacement > p + 0.9, "{dim}D {order} {coarsest:?}: {orders:?}");
+    assert!(orders.energy > p - 0.1, "{dim}D {order} {coarsest:?}: {orders:?}");
+    assert!(orders.traction > p - 0.1, "{dim}D {order} {coarsest:?}: {orders:?}");
+}
+
+#[test]
+fn in_2d() {
+    for order in [1, 2] {
+        check(2, order, [4, 4], 4);
+        check(2, order, [4, 6], 4);
+        check(2, order, [6, 4], 4);
+    }
+}
+
+#[test]
+fn in_3d() {
+    for order in [1, 2] {
+        let coarsest = 4 / order;
+        check(3, order, [coarsest; 2], 3);
+        check(3, order, [coarsest, 3 * coarsest / 2], 3);
+    }
+}
+
+#[test]
+fn of_a_jump_that_turns() {
+    for order in [1, 2] {
+        for coarsest in [[4, 4], [4, 6], [6, 4]] {
+            let scene = |bodies: &str| Scene::new("lorentz", &lorentz::yaml(bodies));
+            let orders = observed(&Lorentz, (2, order), coarsest, 4, scene);
+            assert_optimal((2, order), coarsest, orders);
+        }
+    }
+}
