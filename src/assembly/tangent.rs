@@ -272,18 +272,20 @@ fn transform(
     dim: usize,
     values: &mut Vec<f64>,
 ) {
-    let n = expansions.len();
     let width = coupled * dim;
     values.clear();
     values.resize(width * width, 0.0);
-    for (i, rows) in expansions.iter().enumerate() {
-        for (j, columns) in expansions.iter().enumerate() {
-            let k = stiffness[i * n + j];
-            for (row, a) in rows {
-                for (column, b) in columns {
-                    values[(row * dim + i % dim) * width + column * dim + j % dim] += a * k * b;
-                }
+    let mut row_of_kt = vec![0.0; width];
+    for (i, (k, rows)) in stiffness.chunks_exact(expansions.len()).zip(expansions).enumerate() {
+        row_of_kt.fill(0.0);
+        for (j, (k, columns)) in k.iter().zip(expansions).enumerate() {
+            for (column, b) in columns {
+                row_of_kt[column * dim + j % dim] += k * b;
             }
+        }
+        for (row, a) in rows {
+            let target = &mut values[(row * dim + i % dim) * width..][..width];
+            target.iter_mut().zip(&row_of_kt).for_each(|(t, kt)| *t += a * kt);
         }
     }
 }
@@ -304,16 +306,20 @@ pub(super) fn transform_diagonal(all: &Discretization, state: &[NodeState], diag
             .map(|place| expand(all, state, place, &coupled))
             .collect();
         let n = expansions.len();
+        // What each unknown moves: components of the cell's nodes, with their coefficients.
+        let mut moved: Vec<Vec<(usize, f64)>> = vec![Vec::new(); coupled.len() * dim];
         for (i, rows) in expansions.iter().enumerate() {
             let own = nodes[i / dim] as usize * dim + i % dim;
             diagonal[own] -= stiffness[i * n + i];
-            for (j, columns) in expansions.iter().enumerate().filter(|(j, _)| j % dim == i % dim) {
-                for (row, a) in rows {
-                    for (_, b) in columns.iter().filter(|(column, _)| column == row) {
-                        let target = coupled[*row] as usize * dim + i % dim;
-                        diagonal[target] += a * stiffness[i * n + j] * b;
-                    }
-                }
+            for (row, a) in rows {
+                moved[row * dim + i % dim].push((i, *a));
+            }
+        }
+        for (unknown, moved) in moved.iter().enumerate() {
+            let target = coupled[unknown / dim] as usize * dim + unknown % dim;
+            for (i, a) in moved {
+                let row = &stiffness[i * n..][..n];
+                diagonal[target] += a * moved.iter().map(|(j, b)| row[*j] * b).sum::<f64>();
             }
         }
     }

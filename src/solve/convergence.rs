@@ -12,6 +12,9 @@ use crate::petsc::Verdict;
 /// Longest period of a branch cycle that is recognised.
 const LONGEST_CYCLE: usize = 4;
 
+/// After so many cycles of the branches in one solve a smaller step is cheaper.
+const MOST_CYCLES: i32 = 3;
+
 /// The largest of some nodal values, and where it is.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Worst {
@@ -66,6 +69,10 @@ pub struct Convergence {
     /// The same of the last evaluated state, on this rank.
     current: [f64; 2],
     signatures: Vec<u64>,
+    /// How much of a correction is taken: less from a cycle of the branches on, until they stay.
+    pub part_of_step: f64,
+    /// Cycles of the running solve.
+    cycles: i32,
     /// For each state of the running solve and each interface, whether a node of this rank holds.
     holds: Vec<f64>,
     /// Lowest node of this rank that softened in a state of the running solve, and its interface.
@@ -90,6 +97,8 @@ impl Convergence {
             accepted: [0.0; 2],
             current: [0.0; 2],
             signatures: Vec::new(),
+            part_of_step: 1.0,
+            cycles: 0,
             holds: Vec::new(),
             softening: None,
             failure: None,
@@ -125,6 +134,7 @@ impl Convergence {
     /// Starts a step.
     pub fn start(&mut self) {
         self.signatures.clear();
+        (self.part_of_step, self.cycles) = (1.0, 0);
         self.holds.clear();
         self.softening = None;
         self.failure = None;
@@ -234,7 +244,22 @@ impl Convergence {
             return Ok(Verdict::Converged);
         }
         let signature = comm.sum_u64(signature);
+        if self.signatures.last() == Some(&signature) {
+            self.part_of_step = 1.0;
+        }
         if let Some(period) = self.cycle(signature) {
+            if self.cycles < MOST_CYCLES {
+                self.cycles += 1;
+                self.part_of_step = 0.5_f64.powi(self.cycles);
+                self.signatures.clear();
+                let part = self.part_of_step;
+                tracing::debug!(
+                    target: "newton",
+                    "  the branches cycle with period {period}: {part} of each correction until \
+                     they stay"
+                );
+                return Ok(Verdict::Continue);
+            }
             self.failure = Some(format!(
                 "Newton's method cycles between {period} states of the interfaces \
                  ({iteration} corrections, out of balance {out_of_balance:.1e})"

@@ -305,16 +305,23 @@ impl NonlinearSystem for Problem<'_> {
         solve: &mut FurtherSolve<'_>,
     ) -> Result<()> {
         self.interfaces.lean = 1.0;
+        let part = self.convergence.part_of_step;
         let Some(path) = self.path.as_mut().filter(|path| path.follows()) else {
             condensed::follow(&self.all, &self.interfaces, correction);
             self.recycle.keep(self.comm, &self.all, correction);
+            correction.iter_mut().for_each(|c| *c *= part);
             return Ok(());
         };
+        let before = path.factor;
         let (comm, all, state) = (self.comm, &self.all, &self.interfaces);
         let rhs = path.load_residual(comm, all, state);
         let mut along = vec![0.0; rhs.len()];
         match solve(&rhs, &mut along) {
-            Ok(()) => path.combine(comm, all, state, correction, along),
+            Ok(()) => {
+                path.combine(comm, all, state, correction, along);
+                path.factor = before + part * (path.factor - before);
+                correction.iter_mut().for_each(|c| *c *= part);
+            }
             Err(Error::Numerics(words)) => path.failure = Some(words),
             Err(other) => return Err(other),
         }

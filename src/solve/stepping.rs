@@ -52,6 +52,8 @@ pub struct Stepper<'a> {
     is_indefinite: bool,
     work: Work,
     time: f64,
+    /// Length of the steps to begin with, where earlier ones had to be cut.
+    step: f64,
     energy: Energy,
 }
 
@@ -82,6 +84,7 @@ impl<'a> Stepper<'a> {
             is_indefinite: false,
             work,
             time,
+            step: f64::INFINITY,
             energy,
         }
     }
@@ -108,7 +111,7 @@ impl<'a> Stepper<'a> {
     /// As [`Stepper::advance`], to the next time at which a table bends.
     fn advance_without_bends(&mut self, instant: f64, total: &mut Accepted) -> Result<()> {
         let smallest = (instant - self.time) / f64::from(1 << MOST_HALVINGS);
-        let mut step = instant - self.time;
+        let mut step = self.step.min(instant - self.time);
         while self.time < instant {
             // Halving is exact, so the last step ends at the instant to the last bit.
             let target = if instant - self.time <= 1.5 * step { instant } else { self.time + step };
@@ -160,6 +163,10 @@ impl<'a> Stepper<'a> {
             }
             tracing::info!("  step from {} to {target} failed: {why}; halved", self.time);
             step = 0.5 * (target - self.time);
+            self.step = step;
+        }
+        if self.step.is_finite() {
+            self.step = step;
         }
         Ok(())
     }

@@ -122,7 +122,7 @@ probes: [{{name: inside, at: [1.3, 2.9, 0.4]}}]
 
 /// `metis`: the numbers of ranks for which METIS cuts the mesh too.
 fn on_cut_interfaces(bodies: &str, metis: &[usize]) {
-    let scene = block(bodies).in_any_steps();
+    let scene = block(bodies);
     let one = scene.on(1);
     let least = one.column("joint.damage.min");
     let most = one.column("joint.damage.max");
@@ -176,7 +176,7 @@ fn multigrid_on_a_scattered_partition() {
         "bodies: [{cells: [4, 4, 1], order: 2}, {cells: [6, 6, 1], order: 2}]",
         "bodies: [{cells: [4, 4, 1], order: 2}, {cells: [6, 6, 2]}]",
     ] {
-        let scene = block(bodies).scattered().in_any_steps();
+        let scene = block(bodies).scattered();
         let direct = scene.set("solver.linear=mumps").on(3);
         for solver in ["gamg", "hypre", "multigrid"] {
             direct.assert_same(&scene.set(&format!("solver.linear={solver}")).on(3), 1e-8);
