@@ -96,7 +96,7 @@ const WEIGHT: u64 = u64::MAX;
 
 /// One summand of a row on its way to the owner of the node.
 #[derive(Debug, Clone, Copy)]
-struct Term {
+pub(super) struct Term {
     node: u64,
     component: u64,
     other: u64,
@@ -132,7 +132,11 @@ pub fn jump_rows(
 }
 
 /// The terms that the secondary facets of this rank's cells contribute.
-fn integrate(mesh: &LocalMesh, sides: &[Sides], prescribed: &Prescribed) -> Result<Vec<Term>> {
+pub(super) fn integrate(
+    mesh: &LocalMesh,
+    sides: &[Sides],
+    prescribed: &Prescribed,
+) -> Result<Vec<Term>> {
     let column = &mesh.column;
     let mut terms = Vec::new();
     for cell in &mesh.cells {
@@ -209,7 +213,7 @@ fn send_to_owners(comm: &Comm, directory: &Directory<'_>, terms: &[Term]) -> Vec
 }
 
 /// Sums the terms to rows; nodes without any keep empty rows.
-fn sum(
+pub(super) fn sum(
     mut terms: Vec<Term>,
     sides: &[Sides],
     nodes: &[(u64, usize)],

@@ -1,5 +1,7 @@
 //! Interfaces: which side carries the multipliers, and the jump as rows over nodal values.
 
+#[cfg(test)]
+mod inf_sup_tests;
 mod jump;
 pub mod mortar;
 mod sides;

@@ -28,6 +28,29 @@ fn a_nearly_incompressible_block_does_not_lock() {
     assert!(full > 50.0 * fine, "{full} {fine}");
 }
 
+/// Errors beside a fine mesh of second order, and what full integration gives on the same cells;
+/// elimination takes one iteration whatever the material.
+#[test]
+fn neither_order_locks() {
+    let force = |order: usize, cells: usize, formulation: &str| {
+        let run = block(cells, 0.4999)
+            .set(&format!("mesh.order={order}"))
+            .set(&format!("mesh.formulation={formulation}"))
+            .on(1);
+        assert_eq!(run.column("linear_iterations"), [1.0], "{}", run.label);
+        -run.column("top.reaction_z")[0]
+    };
+    let fine = force(2, 8, "auto");
+    for (order, cells, error, of_full) in
+        [(1, 4, 0.04, 50.0), (1, 8, 0.02, 15.0), (2, 2, 0.02, 0.2), (2, 4, 0.006, 0.08)]
+    {
+        let found = force(order, cells, "auto") / fine - 1.0;
+        assert!(found.abs() < error, "order {order}, {cells}: {found}");
+        let full = force(order, cells, "full") / fine - 1.0;
+        assert!(full > of_full, "order {order}, {cells}, full: {full}");
+    }
+}
+
 #[test]
 fn the_formulation_is_reported_and_the_same_everywhere() {
     let one = block(6, 0.48).on(1);

@@ -14,6 +14,8 @@ struct Errors {
     displacement: f64,
     energy: f64,
     traction: f64,
+    /// Part of the traction that changes its sign from node to node.
+    checkerboard: f64,
 }
 
 /// What is exact at a point of the lower or upper body.
@@ -150,17 +152,47 @@ fn traction_errors(grid: &Grid, dim: usize, exact: &impl Exact) -> [f64; 2] {
     sums
 }
 
+/// The traction less its mean over the facets around each node, over the traction.
+fn checkerboard(grid: &Grid) -> f64 {
+    let mut sums = vec![([0.0; 3], 0.0); grid.points.len()];
+    for (shape, nodes) in &grid.cells {
+        // Mean of the traction over the facet, by the integrals of the shape functions.
+        let mut mean = [0.0; 3];
+        for q in gauss(*shape, 3) {
+            let mut n = [0.0; 27];
+            shape.values(q.xi, &mut n);
+            let part = q.weight / f64::from(1 << shape.dim());
+            for (node, n) in nodes.iter().zip(n) {
+                mean.iter_mut().zip(grid.values[*node]).for_each(|(m, v)| *m += part * n * v);
+            }
+        }
+        for node in nodes {
+            let (sum, count) = &mut sums[*node];
+            sum.iter_mut().zip(mean).for_each(|(s, m)| *s += m);
+            *count += 1.0;
+        }
+    }
+    let (mut differences, mut all) = (0.0, 0.0);
+    for (value, (sum, count)) in grid.values.iter().zip(sums) {
+        differences += (0..3).map(|i| (value[i] - sum[i] / count).powi(2)).sum::<f64>();
+        all += value.iter().map(|v| v * v).sum::<f64>();
+    }
+    f64::sqrt(differences / all)
+}
+
 fn errors(run: &Run, dim: usize, exact: &impl Exact) -> Errors {
     let file = |name: &str| run.directory.join(format!("fields/{name}_000001.vtkhdf"));
     let bulk = read(&file("bulk"), "displacement");
     let [displacement, energy] =
         if dim == 2 { bulk_errors::<2>(&bulk, exact) } else { bulk_errors::<3>(&bulk, exact) };
-    let traction = traction_errors(&read(&file("joint"), "traction"), dim, exact);
+    let joint = read(&file("joint"), "traction");
+    let traction = traction_errors(&joint, dim, exact);
     let relative = |[error, exact]: [f64; 2]| (error / exact).sqrt();
     Errors {
         displacement: relative(displacement),
         energy: relative(energy),
         traction: relative(traction),
+        checkerboard: checkerboard(&joint),
     }
 }
 
@@ -197,7 +229,10 @@ fn observed(
         displacement: between(|e| e.displacement),
         energy: between(|e| e.energy),
         traction: between(|e| e.traction),
+        checkerboard: between(|e| e.checkerboard),
     };
+    let last = &all[all.len() - 1];
+    assert!(last.checkerboard < 0.05, "{last:?}");
     println!("{dim}D, order {order}, {coarsest:?}: {orders:.2?} from {all:.9?}");
     orders
 }
@@ -213,6 +248,9 @@ fn assert_optimal((dim, order): (usize, usize), coarsest: [usize; 2], orders: Er
     let p = order as f64;
     assert!(orders.displacement > p + 0.9, "{dim}D {order} {coarsest:?}: {orders:?}");
     assert!(orders.energy > p - 0.1, "{dim}D {order} {coarsest:?}: {orders:?}");
+    // What is left at a node beside the mean around it is the slope of the traction times the width
+    // of a facet; a checkerboard would stay.
+    assert!(orders.checkerboard > 0.4, "{dim}D {order} {coarsest:?}: {orders:?}");
     assert!(orders.traction > p - 0.1, "{dim}D {order} {coarsest:?}: {orders:?}");
 }
 
