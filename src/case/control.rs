@@ -83,6 +83,14 @@ impl Checker<'_> {
             let reason = format!("names `{of}`, which has no strength to be followed beyond");
             self.add(&format!("{path}.of"), reason);
         }
+        let by_dissipation = matches!(section, ControlSection::Dissipation(_));
+        if by_dissipation && !interfaces[interface].law.law().history_is_size_of_jump() {
+            let reason = format!(
+                "names `{of}`, whose modes differ in strength or energy: what is dissipated is no \
+                 measure of its path; take control.opening"
+            );
+            self.add(&format!("{path}.of"), reason);
+        }
         match section {
             ControlSection::Opening(opening) => {
                 let equals = self.value("control.opening.equals", &opening.equals);

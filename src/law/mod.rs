@@ -156,6 +156,18 @@ pub trait InterfaceLaw {
     /// Energy dissipated per area up to this history, J/m2.
     fn dissipated(&self, history: f64) -> f64;
 
+    /// Energy dissipated per area, J/m2, once a step has led from history `from` to `to` and ends at
+    /// `jump`, where it was `before`; the history alone says it unless the law says otherwise.
+    fn dissipated_after(&self, _before: f64, _from: f64, to: f64, _jump: Local) -> f64 {
+        self.dissipated(to)
+    }
+
+    /// Whether the history is the Euclidean size of the largest jump and alone says what is
+    /// dissipated, which path following by dissipation relies on.
+    fn history_is_size_of_jump(&self) -> bool {
+        true
+    }
+
     /// Energy per area that unloading gives back, J/m2.
     fn recoverable(&self, jump: Local, history: f64) -> f64;
 
@@ -232,6 +244,7 @@ laws! {
     linear_softening::LinearSoftening,
     exponential_softening::ExponentialSoftening,
     bilinear::Bilinear,
+    benzeggagh_kenane::BenzeggaghKenane,
     contact::Contact,
     tied::Tied,
 }

@@ -9,10 +9,10 @@ use crate::error::number_text;
 
 /// Equivalent jumps below this fraction of the critical one count as none: their secant is as good
 /// as rigid, and as a number it would only spoil the conditioning.
-const SMALLEST_JUMP: f64 = 1.0e-12;
+pub(super) const SMALLEST_JUMP: f64 = 1.0e-12;
 
 /// A state this close to the threshold counts as below it: rounding only.
-const THRESHOLD_TIE: f64 = 16.0 * f64::EPSILON;
+pub(super) const THRESHOLD_TIE: f64 = 16.0 * f64::EPSILON;
 
 /// How the largest traction falls with the largest equivalent jump.
 pub trait Envelope {

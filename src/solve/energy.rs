@@ -27,8 +27,8 @@ impl Work {
         Self { displacement: vec![0.0; size], force: vec![0.0; size], total: 0.0 }
     }
 
-    /// Energies of the state that `problem` evaluated last; its work adds to that of the states
-    /// before. Collective.
+    /// Energies of the state that `problem` evaluated last and its interfaces have committed; its
+    /// work adds to that of the states before. Collective.
     pub fn accept(&mut self, problem: &Problem<'_>) -> Energy {
         let (all, dim) = (&problem.all, problem.all.dim);
         let mut load = problem.load.clone();
@@ -48,10 +48,10 @@ impl Work {
         }
         let mut dissipated = 0.0;
         let state = &problem.interfaces;
-        for (rows, response) in all.secondary.iter().zip(&state.response) {
+        for (index, (rows, response)) in all.secondary.iter().zip(&state.response).enumerate() {
             let law = state.laws[rows.interface].spec.law();
             let weight = rows.law_weight(dim);
-            dissipated += weight * law.dissipated(response.history);
+            dissipated += weight * state.dissipated[index];
             let jump = super::interfaces::to_local(response.jump, dim);
             stored += weight * law.recoverable(jump, response.history);
         }

@@ -41,6 +41,8 @@ pub struct InterfaceState {
     pub laws: Vec<JointLaw>,
     /// Largest equivalent jump at the last accepted state (m).
     pub committed: Vec<f64>,
+    /// Energy per area dissipated up to the last accepted state (J/m2).
+    pub dissipated: Vec<f64>,
     /// The answers at the last evaluated state.
     pub response: Vec<NodeResponse>,
     /// How much larger than they are augmented tractions are taken.
@@ -60,7 +62,8 @@ impl InterfaceState {
             branch: Branch::Stick,
             history: 0.0,
         };
-        Self { dim, laws, committed: vec![0.0; owned], response: vec![rest; owned], lean: 1.0 }
+        let (committed, dissipated) = (vec![0.0; owned], vec![0.0; owned]);
+        Self { dim, laws, committed, dissipated, response: vec![rest; owned], lean: 1.0 }
     }
 
     /// Evaluates the laws at the displacements `u`, `dim` numbers per local node; `given` is the
@@ -111,9 +114,14 @@ impl InterfaceState {
     }
 
     /// Makes the last evaluated state the accepted one.
-    pub fn commit(&mut self) {
-        for (committed, response) in self.committed.iter_mut().zip(&self.response) {
-            *committed = response.history;
+    pub fn commit(&mut self, all: &Discretization) {
+        for (index, response) in self.response.iter().enumerate() {
+            let law = self.laws[all.secondary[index].interface].spec.law();
+            let (from, to) = (self.committed[index], response.history);
+            let before = self.dissipated[index];
+            let jump = to_local(response.jump, self.dim);
+            self.dissipated[index] = law.dissipated_after(before, from, to, jump);
+            self.committed[index] = to;
         }
     }
 }

@@ -244,7 +244,7 @@ impl<'a> Stepper<'a> {
             path.accept();
         }
         self.problem.convergence.accept(self.problem.comm);
-        self.problem.interfaces.commit();
+        self.problem.interfaces.commit(&self.problem.all);
         self.energy = self.work.accept(&self.problem);
     }
 

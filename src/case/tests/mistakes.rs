@@ -370,3 +370,20 @@ fn a_file_that_cannot_be_read_is_refused() {
     }
     std::fs::remove_dir_all(&folder).expect("the folder is ours");
 }
+
+#[test]
+fn a_law_whose_modes_differ_is_not_followed_by_its_dissipation() {
+    let law = |shear: &str| {
+        format!(
+            "interfaces.0.law={{benzeggagh_kenane: {{strength: 1e6, shear_strength: 1e6, \
+             fracture_energy: 900, shear_fracture_energy: {shear}, exponent: 2}}}}"
+        )
+    };
+    let control = "control={dissipation: {of: joint, step: 0.1}}";
+    let found = message("mesh", "mesh", &[&law("901"), control]);
+    let reason = "control.dissipation.of names `joint`, whose modes differ in strength or energy: \
+                  what is dissipated is no measure of its path; take control.opening";
+    assert!(found.contains(reason), "{found}");
+    assert!(read_with("mesh", "mesh", &[&law("900"), control]).is_ok());
+    assert!(read_with("mesh", "mesh", &[&law("901")]).is_ok());
+}
