@@ -99,6 +99,9 @@ enum Multipliers {
     ConstantOnFacets,
 }
 
+/// A row of B over nodes, its component and its weight.
+type Row = (Vec<(u64, f64)>, usize, f64);
+
 fn inf_sup(
     dim: usize,
     bodies: Bodies,
@@ -112,8 +115,7 @@ fn inf_sup(
     let prescribed = Prescribed::new(&case, &column);
     let sides = Sides::choose(&case, &column);
     let (k, numbers) = stiffness(&case, &mesh, &prescribed);
-    // Rows of B and their weights.
-    let mut rows: Vec<(Vec<(u64, f64)>, usize, f64)> = Vec::new();
+    let mut rows: Vec<Row> = Vec::new();
     match multipliers {
         Multipliers::Dual => {
             let terms = integrate(&mesh, &sides, &prescribed).expect("sides that cover each other");

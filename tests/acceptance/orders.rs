@@ -1,5 +1,7 @@
 //! Observed orders of convergence with an interface that opens unevenly.
 
+#![allow(clippy::print_stdout)] // the figures, with --nocapture
+
 use std::path::Path;
 
 use column_hpc::element::{Shape, gauss, map_point, mapping};
