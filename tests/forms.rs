@@ -92,6 +92,14 @@ fn non_matching_with_damage_and_contact() {
     compare("non_matching", NON_MATCHING, true, &[1, 2]);
 }
 
+/// Strength and augmentation that vary from node to node.
+#[test]
+fn imperfect_softening_column() {
+    let factor = "factor: {formula: \"1 - 0.2*x + 0.1*y\"}";
+    let initial = format!("initial: {{imperfection: [{{interface: joint, {factor}}}]}}\n");
+    compare("imperfect", &format!("{TILTED}{initial}"), true, &[1, 2]);
+}
+
 /// The components of a node beside the held side have different weights. There the condensed form
 /// makes its tangent symmetric, and takes other iterations to the same solution. On 4 ranks some
 /// own no secondary node.

@@ -47,6 +47,7 @@ impl Checker<'_> {
         let interfaces = self.interfaces(&file, &mesh);
         let boundary = self.boundary(&file);
         let body_force = self.body_force(&file);
+        let imperfections = self.imperfections(&file, &interfaces);
         let (time, start) = self.time(&file);
         self.solver(&file.solver);
         let (control, time, start) = self.control(&file, &interfaces, (time, start));
@@ -76,6 +77,7 @@ impl Checker<'_> {
             interfaces,
             boundary,
             body_force,
+            imperfections,
             physics,
             time,
             start,
@@ -351,7 +353,7 @@ impl Checker<'_> {
             self.add("solver.form", "saddle_point needs linear: mumps or auto");
         }
         if solver.form == Form::SaddlePoint
-            && matches!(solver.stability, Stability::Warn | Stability::Stop)
+            && matches!(solver.stability, Stability::Warn | Stability::Follow | Stability::Stop)
         {
             self.add("solver.stability", "needs form: condensed, whose tangent is symmetric");
         }

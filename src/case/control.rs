@@ -3,7 +3,7 @@
 use super::check::Checker;
 use super::file::{CaseFile, ControlSection};
 use super::problems::suggestion;
-use super::solver::Form;
+use super::solver::{Form, Stability};
 use super::value::Value;
 use super::{Case, InterfaceSpec};
 
@@ -68,6 +68,11 @@ impl Checker<'_> {
         };
         if file.solver.form == Form::SaddlePoint {
             self.add("control", "needs solver.form: condensed");
+        }
+        if file.solver.stability == Stability::Follow {
+            let reason = "follow cannot stand beside control: a path goes through states that are \
+                          not stable";
+            self.add("solver.stability", reason);
         }
         if let Some(fluid) = interfaces.iter().position(|i| i.fluid_pressure.is_some()) {
             let reason = "cannot stand beside control: the load factor does not scale it";

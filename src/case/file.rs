@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::boundary::Surface;
+use super::initial::InitialSection;
 use super::interface::Side;
 use super::material::Porous;
 use super::mesh::Formulation;
@@ -244,14 +245,6 @@ pub(super) struct TableSection {
 pub(super) struct FormulaSection {
     /// In x, y, z, t with + - * / ^, parentheses, pi, sqrt exp ln sin cos abs min max.
     pub formula: String,
-}
-
-/// The state at the start.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct InitialSection {
-    /// Pore pressure in Pa (other than 0: not yet available).
-    pub pressure: Quantity,
 }
 
 /// The instants.

@@ -144,6 +144,11 @@ impl Formula {
         self.root.uses(&[1])
     }
 
+    /// Whether t occurs.
+    pub fn uses_t(&self) -> bool {
+        self.root.uses(&[3])
+    }
+
     /// Whether no variable occurs.
     pub fn is_constant(&self) -> bool {
         !self.root.uses(&[0, 1, 2, 3])

@@ -148,8 +148,9 @@ impl Checker<'_> {
 
     /// Whether the pore pressure can be left out: it must be known to be 0 everywhere.
     pub(super) fn pore_pressure(&mut self, file: &CaseFile, materials: &[Material]) {
-        if let Some(initial) = &file.initial
-            && !self.value("initial.pressure", &initial.pressure).is_zero()
+        let initial = file.initial.as_ref().and_then(|initial| initial.pressure.as_ref());
+        if let Some(pressure) = initial
+            && !self.value("initial.pressure", pressure).is_zero()
         {
             self.add("initial.pressure", format!("other than 0 {LATER}"));
             return;
@@ -180,7 +181,7 @@ impl Checker<'_> {
                  choose physics: mechanics"
             );
             self.add(&format!("materials.{name}.porous"), reason);
-        } else if file.initial.is_some() || file.boundary.iter().any(|e| e.pressure.is_some()) {
+        } else if initial.is_some() || file.boundary.iter().any(|e| e.pressure.is_some()) {
             self.left_out.push(
                 "Pore pressure is left out: it is 0 wherever it is prescribed and no material is \
                  porous."

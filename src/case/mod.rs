@@ -5,6 +5,7 @@ mod check;
 mod control;
 mod file;
 mod formula;
+mod initial;
 mod interface;
 mod loads;
 mod material;
@@ -22,6 +23,7 @@ pub use crate::law::LawSpec;
 pub use boundary::{BoundarySpec, Surface};
 pub use control::{Control, ControlKind};
 pub use formula::Formula;
+pub use initial::Imperfection;
 pub use interface::{InterfaceSpec, Side};
 pub use material::{Material, Porous};
 pub use mesh::{Cells, Formulation, MeshSpec};
@@ -70,6 +72,8 @@ pub struct Case {
     pub boundary: Vec<BoundarySpec>,
     /// Body force along x, y, z in N/m3.
     pub body_force: [Value; 3],
+    /// What makes the structure imperfect.
+    pub imperfections: Vec<Imperfection>,
     /// What is computed.
     pub physics: PhysicsDecision,
     /// The instants in s, strictly rising, after `start`.

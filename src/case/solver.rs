@@ -64,6 +64,9 @@ pub enum Stability {
     Off,
     /// All states that soften are tested and reported
     Warn,
+    /// All states that soften are tested; from one that is not stable the solution goes on along the
+    /// unstable mode to one that is
+    Follow,
     /// All states that soften are tested; a smaller step is tried, and where that is unstable too, the
     /// run ends
     Stop,

@@ -42,6 +42,9 @@ pub struct Report {
     /// The accepted states that are not stable, in words.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub instabilities: Vec<String>,
+    /// The accepted states that are not unique, in words: which was taken, and what else there is.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub bifurcations: Vec<String>,
     /// The linear solver.
     pub linear_solver: LinearSolver,
     /// Seconds by phase, of the slowest rank.
@@ -184,6 +187,7 @@ mod tests {
             linear_iterations: 9,
             residual_norms: vec![],
             instabilities: Vec::new(),
+            bifurcations: Vec::new(),
             linear_solver: LinearSolver { choice: "mumps".into(), why: "small".into() },
             timings: Timings::default(),
             peak_memory_bytes: Some(1),

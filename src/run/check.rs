@@ -8,7 +8,7 @@ use crate::case::{self, Case, read_text};
 use crate::error::{Error, Result};
 use crate::interface::Sides;
 use crate::mesh::{Column, LocalMesh};
-use crate::solve::LinearChoice;
+use crate::solve::{LinearChoice, strength_factors};
 use crate::space::{AtNode, Prescribed};
 
 /// Largest column that the check walks through node by node.
@@ -36,6 +36,12 @@ pub fn check(path: &Path, overrides: &[String]) -> Result<String> {
         checked.map_err(|AtNode(_, error)| error)?;
         let mesh = LocalMesh::new(&column, (0..column.cells()).collect(), column.cells());
         Loads::new(&case, &mesh).check(&case.time)?;
+        let sides = Sides::choose(&case, &column);
+        let secondary = sides.iter().enumerate().flat_map(|(interface, side)| {
+            let own = nodes.iter().filter(|node| side.is_secondary(&column, **node));
+            own.map(move |node| (interface, *node))
+        });
+        strength_factors(&case, &column, secondary).map_err(|AtNode(_, error)| error)?;
     }
     let bytes = unknowns as f64 * choice.bytes_per_unknown();
     let mut text = format!("{}\n", case.title);

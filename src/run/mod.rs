@@ -252,6 +252,10 @@ impl Session<'_> {
                     let found = model.stepper.instabilities.iter();
                     found.map(|instability| instability.words(self.case)).collect()
                 },
+                bifurcations: {
+                    let found = model.stepper.bifurcations.iter();
+                    found.map(|bifurcation| bifurcation.words(self.case)).collect()
+                },
                 linear_solver: LinearSolver {
                     choice: model.choice.preset.into(),
                     why: model.choice.why.clone(),

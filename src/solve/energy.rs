@@ -13,6 +13,41 @@ pub struct Energy {
     pub external: f64,
 }
 
+/// Potential energy of the state that `problem` evaluated last: what is stored and dissipated, less the
+/// work that the present loads would have done on the way from rest (J; 2D: per metre of thickness).
+/// Under the same loads and prescribed displacements, from the same history, stable states are its
+/// minima. Collective.
+pub(super) fn potential(problem: &Problem<'_>) -> f64 {
+    let mut load = problem.load.clone();
+    problem.all.nodes.add_to_owners(&mut load, problem.all.dim);
+    let owned = problem.all.nodes.owned * problem.all.dim;
+    let work: f64 = load[..owned].iter().zip(&problem.displacement).map(|(f, u)| f * u).sum();
+    let [stored, dissipated] = held(problem, &load);
+    let mut sum = [stored + dissipated - work];
+    problem.comm.sum(&mut sum);
+    sum[0]
+}
+
+/// What this rank's part of a state stores and has dissipated (J), with the loads summed at its nodes.
+fn held(problem: &Problem<'_>, load: &[f64]) -> [f64; 2] {
+    let (all, dim) = (&problem.all, problem.all.dim);
+    let forces = problem.bulk_force.iter().zip(load).zip(&problem.displacement);
+    let owned = forces.take(all.nodes.owned * dim);
+    let mut stored: f64 = owned.map(|((force, load), u)| 0.5 * u * (force + load)).sum();
+    let mut dissipated = 0.0;
+    let state = &problem.interfaces;
+    for (index, response) in state.response.iter().enumerate() {
+        let rows = &all.secondary[index];
+        let law = state.law_at(index, rows);
+        let weight = rows.law_weight(dim);
+        let jump = super::interfaces::to_local(response.jump, dim);
+        let before = (state.dissipated[index], state.committed[index]);
+        dissipated += weight * law.dissipated_after(before, response.history, jump);
+        stored += weight * law.recoverable(jump, response.history);
+    }
+    [stored, dissipated]
+}
+
 /// What does work between two accepted states.
 #[derive(Debug, Clone)]
 pub(super) struct Work {
@@ -33,12 +68,11 @@ impl Work {
         let (all, dim) = (&problem.all, problem.all.dim);
         let mut load = problem.load.clone();
         all.nodes.add_to_owners(&mut load, dim);
-        let (mut stored, mut work) = (0.0, 0.0);
+        let mut work = 0.0;
         for node in 0..all.nodes.owned {
             for c in 0..dim {
                 let i = node * dim + c;
                 let u = problem.displacement[i];
-                stored += 0.5 * u * (problem.bulk_force[i] + load[i]);
                 let support = if all.prescribed[node][c] { problem.balance[i] } else { 0.0 };
                 let force = support + load[i];
                 work += 0.5 * (self.force[i] + force) * (u - self.displacement[i]);
@@ -46,15 +80,7 @@ impl Work {
                 self.force[i] = force;
             }
         }
-        let mut dissipated = 0.0;
-        let state = &problem.interfaces;
-        for (index, (rows, response)) in all.secondary.iter().zip(&state.response).enumerate() {
-            let law = state.laws[rows.interface].spec.law();
-            let weight = rows.law_weight(dim);
-            dissipated += weight * state.dissipated[index];
-            let jump = super::interfaces::to_local(response.jump, dim);
-            stored += weight * law.recoverable(jump, response.history);
-        }
+        let [stored, dissipated] = held(problem, &load);
         let mut sums = [stored, dissipated, work];
         problem.comm.sum(&mut sums);
         self.total += sums[2];

@@ -3,7 +3,7 @@
 use crate::assembly::{Discretization, NodeState};
 use crate::comm::Comm;
 use crate::interface::{JumpRow, JumpRows};
-use crate::law::{Branch, LawSpec, Response};
+use crate::law::{Branch, InterfaceLaw, LawSpec, Local, Response};
 
 /// What the law of one secondary node answers, by displacement component.
 #[derive(Debug, Clone, Copy)]
@@ -34,11 +34,78 @@ pub struct JointLaw {
     pub augmentation: f64,
 }
 
+/// The law at a node: strength, fracture energy and augmentation are those of its interface times the
+/// factor of its imperfection, and the critical jump is the same. With the factor f, its traction at a
+/// jump w is f t(w), so that the traction p = t + f r w is f times that of the interface's law.
+#[derive(Clone, Copy)]
+pub struct NodeLaw<'a> {
+    law: &'a dyn InterfaceLaw,
+    /// r of the interface (Pa/m).
+    interface_augmentation: f64,
+    factor: f64,
+}
+
+impl NodeLaw<'_> {
+    /// Augmentation r (Pa/m).
+    pub fn augmentation(&self) -> f64 {
+        self.factor * self.interface_augmentation
+    }
+
+    /// As [`InterfaceLaw::respond`], `p` with the augmentation of the node and that of the `damping`
+    /// (Pa/m), which adds to the tangent.
+    fn respond(&self, p: Local, damping: f64, history: f64, dim: usize) -> Response {
+        let f = self.factor;
+        let augmentation = self.interface_augmentation + damping / f;
+        let answer = self.law.respond(p.map(|p| p / f), augmentation, history, dim);
+        let mut tangent = answer.tangent.map(|row| row.map(|c| f * c));
+        for i in (0..dim).filter(|i| !answer.stuck[*i]) {
+            tangent[i][i] += damping;
+        }
+        Response {
+            traction: answer.traction.map(|t| f * t),
+            compliance: answer.compliance.map(|row| row.map(|a| a / f)),
+            tangent,
+            ..answer
+        }
+    }
+
+    /// As [`InterfaceLaw::strength`].
+    pub fn strength(&self) -> Option<f64> {
+        self.law.strength().map(|strength| self.factor * strength)
+    }
+
+    /// As [`InterfaceLaw::dissipated`].
+    pub fn dissipated(&self, history: f64) -> f64 {
+        self.factor * self.law.dissipated(history)
+    }
+
+    /// As [`InterfaceLaw::dissipated_after`], from what was dissipated before and the history then.
+    pub fn dissipated_after(&self, (before, from): (f64, f64), to: f64, jump: Local) -> f64 {
+        let f = self.factor;
+        f * self.law.dissipated_after(before / f, from, to, jump)
+    }
+
+    /// As [`InterfaceLaw::recoverable`].
+    pub fn recoverable(&self, jump: Local, history: f64) -> f64 {
+        self.factor * self.law.recoverable(jump, history)
+    }
+}
+
+/// Tractions that hold jumps back: `stiffness` times what a jump is beyond the one of an earlier state.
+pub struct Damping {
+    /// Pa/m.
+    pub stiffness: f64,
+    /// The earlier jumps at owned secondary nodes, by displacement component (m).
+    pub from: Vec<[f64; 3]>,
+}
+
 /// State of the secondary nodes that this rank owns, in the order of `Discretization::secondary`.
 pub struct InterfaceState {
     dim: usize,
     /// The law of each interface.
     pub laws: Vec<JointLaw>,
+    /// What strength and fracture energy of the interface are multiplied by at each node.
+    pub factors: Vec<f64>,
     /// Largest equivalent jump at the last accepted state (m).
     pub committed: Vec<f64>,
     /// Energy per area dissipated up to the last accepted state (J/m2).
@@ -47,11 +114,14 @@ pub struct InterfaceState {
     pub response: Vec<NodeResponse>,
     /// How much larger than they are augmented tractions are taken.
     pub lean: f64,
+    /// On the way from an unstable state to a stable one.
+    pub damping: Option<Damping>,
 }
 
 impl InterfaceState {
-    /// The undamaged, unloaded state of `owned` nodes.
-    pub fn new(dim: usize, laws: Vec<JointLaw>, owned: usize) -> Self {
+    /// The undamaged, unloaded state of the owned nodes, whose imperfections are `factors`.
+    pub fn new(dim: usize, laws: Vec<JointLaw>, factors: Vec<f64>) -> Self {
+        let owned = factors.len();
         let rest = NodeResponse {
             bulk_traction: [0.0; 3],
             jump: [0.0; 3],
@@ -63,7 +133,15 @@ impl InterfaceState {
             history: 0.0,
         };
         let (committed, dissipated) = (vec![0.0; owned], vec![0.0; owned]);
-        Self { dim, laws, committed, dissipated, response: vec![rest; owned], lean: 1.0 }
+        let response = vec![rest; owned];
+        Self { dim, laws, factors, committed, dissipated, response, lean: 1.0, damping: None }
+    }
+
+    /// The law at the secondary node of an index, which `rows` belong to. Local.
+    pub fn law_at(&self, index: usize, rows: &JumpRows<u32>) -> NodeLaw<'_> {
+        let JointLaw { spec, augmentation } = &self.laws[rows.interface];
+        let factor = self.factors[index];
+        NodeLaw { law: spec.law(), interface_augmentation: *augmentation, factor }
     }
 
     /// Evaluates the laws at the displacements `u`, `dim` numbers per local node; `given` is the
@@ -77,7 +155,8 @@ impl InterfaceState {
         let dim = self.dim;
         for index in 0..self.response.len() {
             let rows = &all.secondary[index];
-            let law = &self.laws[rows.interface];
+            let law = self.law_at(index, rows);
+            let augmentation = law.augmentation();
             let (mut traction, mut jump) = ([0.0; 3], [0.0; 3]);
             for c in 0..dim {
                 if let Some(row) = &rows.rows[c] {
@@ -87,14 +166,17 @@ impl InterfaceState {
                         + row.others.iter().map(|(n, a)| a * at(*n)).sum::<f64>();
                 }
             }
-            let p = std::array::from_fn(|c| self.lean * (traction[c] + law.augmentation * jump[c]));
-            let answer = law.spec.law().respond(
-                to_local(p, dim),
-                law.augmentation,
-                self.committed[index],
-                dim,
-            );
-            self.response[index] = combine(rows, traction, jump, &answer, law.augmentation, dim);
+            let (damping, from) = match &self.damping {
+                Some(damping) => (damping.stiffness, damping.from[index]),
+                None => (0.0, [0.0; 3]),
+            };
+            // The law's own part of the traction is without d (w - from): its p, made with r + d, is
+            // t + r w + d from.
+            let p = std::array::from_fn(|c| {
+                self.lean * (traction[c] + augmentation * jump[c]) + damping * from[c]
+            });
+            let answer = law.respond(to_local(p, dim), damping, self.committed[index], dim);
+            self.response[index] = combine(rows, traction, jump, &answer, augmentation, dim);
         }
     }
 
@@ -102,8 +184,9 @@ impl InterfaceState {
     /// more than rounding beside the compression. Collective.
     pub fn share_of_strength(&self, comm: &Comm, all: &Discretization) -> f64 {
         let mut largest = [0.0_f64; 2];
-        for (rows, response) in all.secondary.iter().zip(&self.response) {
-            let Some(strength) = self.laws[rows.interface].spec.law().strength() else { continue };
+        for (index, response) in self.response.iter().enumerate() {
+            let law = self.law_at(index, &all.secondary[index]);
+            let Some(strength) = law.strength() else { continue };
             let t = to_local(response.bulk_traction, self.dim);
             for (largest, normal) in largest.iter_mut().zip([t[0].max(0.0), t[0]]) {
                 *largest = largest.max(normal.hypot(t[1]).hypot(t[2]) / strength);
@@ -115,12 +198,11 @@ impl InterfaceState {
 
     /// Makes the last evaluated state the accepted one.
     pub fn commit(&mut self, all: &Discretization) {
-        for (index, response) in self.response.iter().enumerate() {
-            let law = self.laws[all.secondary[index].interface].spec.law();
-            let (from, to) = (self.committed[index], response.history);
-            let before = self.dissipated[index];
-            let jump = to_local(response.jump, self.dim);
-            self.dissipated[index] = law.dissipated_after(before, from, to, jump);
+        for index in 0..self.response.len() {
+            let (jump, to) = (self.response[index].jump, self.response[index].history);
+            let before = (self.dissipated[index], self.committed[index]);
+            let law = self.law_at(index, &all.secondary[index]);
+            self.dissipated[index] = law.dissipated_after(before, to, to_local(jump, self.dim));
             self.committed[index] = to;
         }
     }

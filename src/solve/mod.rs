@@ -2,7 +2,9 @@
 
 mod condensed;
 mod convergence;
+mod eigen;
 mod energy;
+mod imperfection;
 mod interfaces;
 mod linear;
 mod path;
@@ -15,9 +17,10 @@ mod stability;
 mod stepping;
 
 pub use energy::Energy;
+pub use imperfection::strength_factors;
 pub use interfaces::{InterfaceState, NodeResponse};
 pub use linear::{LinearChoice, MULTIGRID};
 pub use problem::Problem;
 pub use setup::{Model, build};
 pub use stability::{Instability, Stability};
-pub use stepping::{Accepted, Stepper};
+pub use stepping::{Accepted, Bifurcation, Stepper};

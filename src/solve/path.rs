@@ -13,7 +13,7 @@ use crate::law::Branch;
 
 /// In the first evaluation of a step augmented tractions are taken this much larger: a point that
 /// stands on its threshold then softens on, instead of unloading.
-const LEAN: f64 = 1e-7;
+pub const LEAN: f64 = 1e-7;
 
 /// So far beyond rupture the last step goes, over the critical jump: on the edge itself Newton's
 /// method would cycle.
@@ -237,7 +237,8 @@ impl PathControl {
                     }
                 }
                 ControlKind::Dissipation(_) => {
-                    let weight = rows.law_weight(dim);
+                    // What the law dissipates has the factor of the node.
+                    let weight = rows.law_weight(dim) * state.factors[index];
                     sums[0] += weight * full;
                     // The law's jump; the history is its size, and follows the displacement's.
                     let own: [f64; 3] =

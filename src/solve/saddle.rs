@@ -82,18 +82,13 @@ impl NonlinearSystem for SaddleSystem<'_, '_> {
 
     fn tangent(&mut self, _x: &[f64], matrix: &mut Matrix) -> Result<TangentChange> {
         let problem = &*self.problem;
-        let derivative =
-            |(rows, response): (&crate::interface::JumpRows<u32>, &super::NodeResponse)| {
-                let augmentation = problem.interfaces.laws[rows.interface].augmentation;
-                LawDerivative { compliance: response.compliance, augmentation }
-            };
-        let law: Vec<LawDerivative> = problem
-            .all
-            .secondary
-            .iter()
-            .zip(&problem.interfaces.response)
-            .map(derivative)
-            .collect();
+        let derivative = |(index, response): (usize, &super::NodeResponse)| {
+            let law = problem.interfaces.law_at(index, &problem.all.secondary[index]);
+            let augmentation = law.augmentation();
+            LawDerivative { compliance: response.compliance, augmentation }
+        };
+        let response = problem.interfaces.response.iter().enumerate();
+        let law: Vec<LawDerivative> = response.map(derivative).collect();
         if !problem.comm.any(self.form.assembled.as_ref() != Some(&law)) {
             return Ok(TangentChange::Unchanged);
         }

@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use super::convergence::Convergence;
+use super::imperfection::strength_factors;
 use super::interfaces::{InterfaceState, JointLaw};
 use super::linear::{LinearChoice, LinearTarget, MULTIGRID};
 use super::path::PathControl;
@@ -40,8 +41,8 @@ pub struct Model<'a> {
 /// uses the others. Collective.
 ///
 /// # Errors
-/// `Input` when boundary entries disagree, a formula gives no finite number at an instant, or a
-/// side of an interface is not covered; `System` when PETSc fails.
+/// `Input` when boundary entries disagree, a formula gives no finite number at an instant or no
+/// positive factor, or a side of an interface is not covered; `System` when PETSc fails.
 pub fn build<'a>(
     runtime: &'a Runtime,
     timers: &'a Timers,
@@ -71,7 +72,10 @@ pub fn build<'a>(
         )));
     }
     let laws = joint_laws(case, &mesh, &sides);
-    let interfaces = InterfaceState::new(dim, laws, all.owned_secondary());
+    let owned = all.secondary[..all.owned_secondary()].iter();
+    let named = owned.map(|rows| (rows.interface, all.nodes.names[rows.node as usize]));
+    let factors = AtNode::agree(comm, strength_factors(case, &mesh.column, named))?;
+    let interfaces = InterfaceState::new(dim, laws, factors);
     let names = case.interfaces.iter().map(|i| i.name.clone()).collect();
     let solver = &case.solver;
     let tolerance = solver.tolerance * share_of_corners(&mesh.column);

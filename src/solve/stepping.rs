@@ -1,17 +1,20 @@
 //! From instant to instant, in one step where possible.
 
 mod along_path;
+mod branching;
+mod descent;
+
+pub use branching::Bifurcation;
 
 use super::energy::{Energy, Work};
-use super::interfaces::NodeResponse;
 use super::problem::Problem;
 use super::saddle::{SaddlePoint, SaddleSystem};
-use super::stability::{self, Instability};
+use super::stability::Instability;
 use crate::case::{Case, Stability};
 use crate::error::{Error, Result};
-use crate::law::Branch;
 use crate::petsc::{Snes, SolveReport, Vector};
 use crate::space::Prescribed;
+use branching::Consequence;
 
 /// A step is halved at most this often.
 const MOST_HALVINGS: u32 = 10;
@@ -46,8 +49,12 @@ pub struct Stepper<'a> {
     breakpoints: Vec<f64>,
     /// The accepted states that are not stable.
     pub instabilities: Vec<Instability>,
-    /// Whether smaller steps are tried where states are unstable, though the case does not ask.
+    /// The accepted states that were reached from one that is not stable.
+    pub bifurcations: Vec<Bifurcation>,
+    /// Whether smaller steps are tried where states are unstable.
     tries_smaller_steps: bool,
+    /// Whether the running step was cut for an unstable state.
+    is_cutting: bool,
     /// Whether conjugate gradients have met an indefinite tangent.
     is_indefinite: bool,
     work: Work,
@@ -70,7 +77,9 @@ impl<'a> Stepper<'a> {
         let work = Work::new(problem.all.nodes.owned * problem.all.dim);
         let (time, energy) = (case.start, Energy::default());
         let breakpoints = case.breakpoints();
-        let instabilities = Vec::new();
+        let (instabilities, bifurcations) = (Vec::new(), Vec::new());
+        let tries_smaller_steps =
+            matches!(case.solver.stability, Stability::Auto | Stability::Follow);
         Self {
             problem,
             snes,
@@ -80,7 +89,9 @@ impl<'a> Stepper<'a> {
             prescribed,
             breakpoints,
             instabilities,
-            tries_smaller_steps: case.solver.stability == Stability::Auto,
+            bifurcations,
+            tries_smaller_steps,
+            is_cutting: false,
             is_indefinite: false,
             work,
             time,
@@ -117,27 +128,16 @@ impl<'a> Stepper<'a> {
             let target = if instant - self.time <= 1.5 * step { instant } else { self.time + step };
             let mut before = self.x.duplicate()?;
             before.copy_from(&self.x)?;
-            let report = self.try_step(target)?;
-            total.newton_iterations += report.iterations;
-            total.linear_iterations += report.linear_iterations;
+            let (report, unstable) = self.attempt(target, &before, total)?;
             let converged = report.reason.is_converged();
-            let alarm = report.negative_pivots > 0 || self.is_indefinite;
-            let unstable = if converged { self.instability(target, alarm)? } else { None };
-            let stops = self.case.solver.stability == Stability::Stop;
-            let cuts = unstable.as_ref().is_some_and(|found| {
-                let worth = step > 64.0 * smallest && found.may_depend_on_the_step();
-                stops || self.tries_smaller_steps && worth
-            });
-            if converged && !cuts {
+            let consequence = match &unstable {
+                Some(found) => self.consequence(found, (step, smallest), total)?,
+                None => Consequence::Taken,
+            };
+            if converged && !matches!(consequence, Consequence::Cut) {
                 self.refuse_freed_bodies(target)?;
                 self.accept(self.reached(target)?);
-                // Where a small step did not help, the next would not either.
-                self.tries_smaller_steps &=
-                    unstable.as_ref().is_none_or(|found| !found.may_depend_on_the_step());
-                if let Some(found) = unstable {
-                    tracing::warn!("warning: {}", found.words(self.case));
-                    self.instabilities.push(found);
-                }
+                self.keep(unstable, consequence);
                 total.steps += 1;
                 step *= 2.0;
                 continue;
@@ -190,7 +190,7 @@ impl<'a> Stepper<'a> {
     }
 
     fn try_step(&mut self, target: f64) -> Result<SolveReport> {
-        let mut report = if self.problem.path.is_some() {
+        let report = if self.problem.path.is_some() {
             self.solve_path(target)?
         } else {
             self.problem.set_load(target)?;
@@ -198,6 +198,11 @@ impl<'a> Stepper<'a> {
             self.problem.comm.agree(written)?;
             self.solve()?
         };
+        self.persist(report)
+    }
+
+    /// Solves on where the linear solver failed for a reason that another set-up of it removes.
+    fn persist(&mut self, mut report: SolveReport) -> Result<SolveReport> {
         if self.snes.try_more_work_space(&report)? {
             let why = self.reason(&report);
             tracing::info!("  {why}: MUMPS gets more work space");
@@ -246,28 +251,6 @@ impl<'a> Stepper<'a> {
         self.problem.convergence.accept(self.problem.comm);
         self.problem.interfaces.commit(&self.problem.all);
         self.energy = self.work.accept(&self.problem);
-    }
-
-    /// The instability of the state that was reached, where the case asks and something softens.
-    /// Path following goes through unstable states by its nature. Collective.
-    fn instability(&mut self, time: f64, alarm: bool) -> Result<Option<Instability>> {
-        let softens =
-            |r: &NodeResponse| matches!(r.branch, Branch::Softening | Branch::SofteningClosed);
-        let problem = &mut self.problem;
-        let tested = match self.case.solver.stability {
-            Stability::Off => false,
-            Stability::Auto => alarm && self.saddle.is_none(),
-            Stability::Warn | Stability::Stop => true,
-        } && problem.path.is_none();
-        let softening = problem.interfaces.response.iter().any(softens);
-        if !tested || !problem.comm.any(softening) {
-            return Ok(None);
-        }
-        let x = self.x.read()?.to_vec();
-        let mut tangent = self.snes.tangent_at(problem, &x)?;
-        let (comm, all, state) = (problem.comm, &problem.all, &problem.interfaces);
-        let found = stability::test(comm, all, state, &mut tangent)?;
-        Ok((!found.is_stable()).then_some(Instability { time, found }))
     }
 
     /// What may lie behind a step that fails however small it is. Collective.

@@ -109,6 +109,12 @@ const WRONG: &[Wrong] = &[
                6.722222222222222e8 Pa/m, got 0.25",
     },
     Wrong {
+        from: "time:",
+        to: "initial: {imperfection: [{interface: joint, factor: {formula: \"1-2*x\"}}]}\ntime:",
+        says: "initial.imperfection.0: the factor is -1 at (1, 0, 2.5) m; the formula must give \
+               positive finite numbers on the whole interface",
+    },
+    Wrong {
         from: TABLE,
         to: "{formula: \"1e-4*t/(1-x)\"}",
         says: "boundary.1 (top): displacement.z is inf at (1, 0, 5) m at time 0.5; the formula \

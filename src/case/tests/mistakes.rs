@@ -3,7 +3,7 @@
 use super::*;
 
 /// The message of `GOOD` with a replacement and overrides.
-fn message(from: &str, to: &str, overrides: &[&str]) -> String {
+pub(super) fn message(from: &str, to: &str, overrides: &[&str]) -> String {
     match read_with(from, to, overrides) {
         Err(Error::Input(text)) => text,
         other => panic!("{to} {overrides:?}: {other:?}"),

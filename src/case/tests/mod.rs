@@ -2,6 +2,7 @@
 
 mod mistakes;
 mod shipped;
+mod stability;
 
 use super::*;
 

@@ -1,0 +1,23 @@
+//! Imperfections: what strength and fracture energy of an interface are multiplied by, node by node.
+
+use crate::case::Case;
+use crate::mesh::Column;
+use crate::space::AtNode;
+
+/// The factors at secondary nodes, given as interface and name; 1 where the interface is perfect.
+/// Local.
+///
+/// # Errors
+/// At the first node where the factor is not positive or not finite, naming entry and place.
+pub fn strength_factors(
+    case: &Case,
+    column: &Column,
+    nodes: impl Iterator<Item = (usize, u64)>,
+) -> Result<Vec<f64>, AtNode> {
+    let factor = |(interface, node): (usize, u64)| {
+        let of = case.imperfections.iter().find(|one| one.interface == interface);
+        let at = |one: &crate::case::Imperfection| one.at(column.point(node));
+        of.map_or(Ok(1.0), at).map_err(|error| AtNode(node, error))
+    };
+    nodes.map(factor).collect()
+}
