@@ -48,9 +48,9 @@ pub struct RunOptions {
     /// Print one line for each Newton iteration
     #[arg(long)]
     pub verbose: bool,
-    /// Continue from a checkpoint (not yet available)
-    #[arg(long, value_name = "FILE|latest", hide = true)]
-    restart: Option<String>,
+    /// Go on from a checkpoint: a file, or the latest of the output directory
+    #[arg(long, value_name = "FILE|latest", conflicts_with = "overwrite")]
+    pub restart: Option<String>,
     /// Options for PETSc, after `--`; they override the case's
     #[arg(last = true, value_name = "PETSC OPTIONS", allow_hyphen_values = true)]
     pub petsc_options: Vec<String>,
@@ -74,7 +74,8 @@ pub struct CheckOptions {
 #[command(name = "column-hpc", version, args_conflicts_with_subcommands = true)]
 #[command(subcommand_negates_reqs = true, arg_required_else_help = true)]
 #[command(after_help = "Exit status: 0 done; 1 an expectation was missed; 2 the input is wrong; \
-                        3 the numerics failed; 4 a file, a library or the machine failed; 101 a bug")]
+                        3 the numerics failed; 4 a file, a library or the machine failed; 75 stopped, \
+                        with a checkpoint; 101 a bug")]
 struct CommandLine {
     #[command(subcommand)]
     command: Option<Word>,
@@ -118,9 +119,6 @@ pub fn parse(args: Vec<String>) -> Result<Command, Exit> {
 }
 
 fn run(options: RunOptions) -> Result<Command, Exit> {
-    if options.restart.is_some() {
-        return Err(wrong("--restart is not yet available"));
-    }
     Ok(Command::Run(options))
 }
 
@@ -174,7 +172,7 @@ mod tests {
             ("check", "CASE.yaml"),
             ("--quiet", "CASE.yaml"),
             ("study study.yaml --x", "study is not yet available"),
-            ("case.yaml --restart latest", "--restart is not yet available"),
+            ("case.yaml --restart latest --overwrite", "cannot be used with"),
         ] {
             let exit = line(words).expect_err(words);
             assert_eq!((exit.status, exit.to_stdout), (2, false), "{words}");

@@ -4,8 +4,10 @@
 //! order. Ranks and counts of messages are `i32`, as in MPI; global numbers are `u64`.
 
 mod neighbours;
+mod slabs;
 
 pub use neighbours::Neighbours;
+pub use slabs::{Rows, first_of, keeper_of};
 
 use crate::error::{Error, Result};
 use mpi::collective::SystemOperation;
@@ -110,6 +112,7 @@ impl Comm {
             Error::Input(text) => (b'i', text),
             Error::Numerics(text) => (b'n', text),
             Error::System(text) => (b's', text),
+            Error::Stopped(text) => (b't', text),
             Error::Bug(text) => (b'b', text),
         };
         let mut message = vec![kind];
@@ -277,6 +280,7 @@ fn decode(message: &[u8]) -> Error {
         Some(b'i') => Error::Input(text),
         Some(b'n') => Error::Numerics(text),
         Some(b's') => Error::System(text),
+        Some(b't') => Error::Stopped(text),
         _ => Error::Bug(text),
     }
 }

@@ -2,7 +2,7 @@
 
 /// An error with the words a user needs: what was done, to what, with which numbers, what to try.
 ///
-/// The variants are the four ways a run ends badly; each has its exit status.
+/// The variants are the ways a run ends before its end; each has its exit status.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Error {
     /// The command line, the case or the mesh is wrong.
@@ -14,6 +14,9 @@ pub enum Error {
     /// A file, a library or the machine failed.
     #[error("{0}")]
     System(String),
+    /// The run was asked to stop, and can go on from a checkpoint.
+    #[error("{0}")]
+    Stopped(String),
     /// An invariant of the program is broken.
     #[error("{0}\nThis is a bug in column-hpc: please report it with the case file.")]
     Bug(String),
@@ -29,6 +32,7 @@ impl Error {
             Error::Input(_) => 2,
             Error::Numerics(_) => 3,
             Error::System(_) => 4,
+            Error::Stopped(_) => 75,
             Error::Bug(_) => 101,
         }
     }

@@ -2,12 +2,15 @@
 //!
 //! `COLUMN_HPC_FAULT=PHASE:RANK:KIND` or `PHASE:RANK:KIND:COUNT` makes one rank fail where the
 //! program calls [`strike`] with that phase for the `COUNT`-th time (1 by default). The kinds:
-//! `error`, `panic`, `kill` (as by the system when memory runs out) and `wait` (a minute, for a
-//! signal from outside). For tests only; without the variable nothing happens.
+//! `error`, `panic`, `kill` (as by the system when memory runs out), `wait` (a minute, for a signal
+//! from outside), and the signals `usr1`, `usr2`, `term` and `int`, which the rank sends to itself.
+//! For tests only; without the variable nothing happens.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
+
+use rustix::process::{Signal, getpid, kill_process};
 
 use crate::comm::Comm;
 use crate::error::{Error, Result};
@@ -50,19 +53,23 @@ pub fn strike(comm: &Comm, phase: &str) -> Result<()> {
 fn fail(fault: &Fault) -> Result<()> {
     match fault.kind.as_str() {
         "panic" => panic!("a test asked for a panic in phase {}", fault.phase),
-        "kill" => {
-            let killed = rustix::process::kill_process(
-                rustix::process::getpid(),
-                rustix::process::Signal::KILL,
-            );
-            killed.map_err(|cause| Error::System(format!("cannot end this process: {cause}")))
-        }
+        "kill" => signal(Signal::KILL),
+        "usr1" => signal(Signal::USR1),
+        "usr2" => signal(Signal::USR2),
+        "term" => signal(Signal::TERM),
+        "int" => signal(Signal::INT),
         "wait" => {
             std::thread::sleep(Duration::from_secs(60));
             Ok(())
         }
         _ => Err(Error::System(format!("a test asked for an error in phase {}", fault.phase))),
     }
+}
+
+/// Sends a signal to this process.
+fn signal(signal: Signal) -> Result<()> {
+    kill_process(getpid(), signal)
+        .map_err(|cause| Error::System(format!("cannot signal this process: {cause}")))
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 pub mod error;
 pub mod comm;
 pub mod fault;
+pub mod signals;
 pub mod timers;
 pub mod simd;
 pub mod petsc;

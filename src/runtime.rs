@@ -5,6 +5,7 @@
 use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::petsc::Petsc;
+use crate::signals;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::Communicator;
 use std::ffi::{c_char, c_int, c_void};
@@ -45,6 +46,7 @@ impl Runtime {
             use_one_blas_thread();
         }
         let petsc = comm.agree(Petsc::start(&comm, options))?;
+        comm.agree(signals::listen())?;
         Ok(Runtime { petsc, comm })
     }
 

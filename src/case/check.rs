@@ -67,7 +67,8 @@ impl Checker<'_> {
         file.output.directory.get_or_insert_with(|| format!("results/{stem}"));
         file.title.get_or_insert_with(|| stem.into_owned());
         file.physics = super::file::Physics::Mechanics;
-        let output = self.output(&file, &time);
+        let (checkpoint, wall) = self.limits(&file);
+        let output = self.output(&file, &time, checkpoint);
         let probes = self.probes(&file, &mesh, &interfaces);
         let mut case = Case {
             title: file.title.clone().unwrap_or_default(),
@@ -84,6 +85,7 @@ impl Checker<'_> {
             control,
             solver: file.solver.clone(),
             output,
+            wall,
             probes,
             expect: Vec::new(),
             left_out: std::mem::take(&mut self.left_out),

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::boundary::Surface;
 use super::initial::InitialSection;
 use super::interface::Side;
+use super::limits::{CheckpointSection, LimitsSection};
 use super::material::Porous;
 use super::mesh::Formulation;
 use super::solver::SolverSpec;
@@ -54,6 +55,9 @@ pub(super) struct CaseFile {
     /// What is written.
     #[serde(default)]
     pub output: OutputSection,
+    /// When the run stops.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limits: Option<LimitsSection>,
     /// Points whose displacement is recorded.
     #[serde(default)]
     pub probes: Vec<ProbeSection>,
@@ -317,6 +321,9 @@ pub(super) struct OutputSection {
     /// The instants of the field files.
     #[serde(default)]
     pub fields: FieldsSection,
+    /// How often a checkpoint is written; default: every 10 min.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub checkpoint: Option<CheckpointSection>,
 }
 
 /// The instants of the field files: a word, or a list of instants.

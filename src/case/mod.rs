@@ -7,6 +7,7 @@ mod file;
 mod formula;
 mod initial;
 mod interface;
+mod limits;
 mod loads;
 mod material;
 mod mesh;
@@ -25,6 +26,7 @@ pub use control::{Control, ControlKind};
 pub use formula::Formula;
 pub use initial::Imperfection;
 pub use interface::{InterfaceSpec, Side};
+pub use limits::Every;
 pub use material::{Material, Porous};
 pub use mesh::{Cells, Formulation, MeshSpec};
 pub use output::{Expectation, Fields, OutputSpec, Probe};
@@ -86,6 +88,8 @@ pub struct Case {
     pub solver: SolverSpec,
     /// What is written.
     pub output: OutputSpec,
+    /// Wall-clock time after which the run stops (s).
+    pub wall: Option<f64>,
     /// Points whose displacement is recorded.
     pub probes: Vec<Probe>,
     /// Values that the results must have.

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::limits::Every;
+
 /// Where results go, and at which instants fields are written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OutputSpec {
@@ -9,6 +11,8 @@ pub struct OutputSpec {
     pub directory: PathBuf,
     /// The instants of the field files.
     pub fields: Fields,
+    /// How often a checkpoint is written.
+    pub checkpoint: Every,
 }
 
 /// The instants at which field files are written.

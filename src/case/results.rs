@@ -6,7 +6,7 @@ use super::check::Checker;
 use super::file::{CaseFile, FieldsSection, FieldsWord};
 use super::output::{Expectation, Fields, OutputSpec, Probe};
 use super::problems::suggestion;
-use super::{Case, InterfaceSpec, MeshSpec, Surface};
+use super::{Case, Every, InterfaceSpec, MeshSpec, Surface};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -83,7 +83,12 @@ impl Case {
 }
 
 impl Checker<'_> {
-    pub(super) fn output(&mut self, file: &CaseFile, time: &[f64]) -> OutputSpec {
+    pub(super) fn output(
+        &mut self,
+        file: &CaseFile,
+        time: &[f64],
+        checkpoint: Every,
+    ) -> OutputSpec {
         let directory = PathBuf::from(file.output.directory.clone().unwrap_or_default());
         if directory.as_os_str().is_empty() {
             self.add("output.directory", "is empty");
@@ -101,7 +106,7 @@ impl Checker<'_> {
                 Fields::Times(times)
             }
         };
-        OutputSpec { directory, fields }
+        OutputSpec { directory, fields, checkpoint }
     }
 
     fn instant(&mut self, path: &str, instant: f64, time: &[f64]) {

@@ -34,6 +34,25 @@ pub fn publish(temporary: &Path, path: &Path) -> Result<()> {
         .map_err(|cause| Error::file("cannot write", path, cause))
 }
 
+/// As [`publish`], but what bore the name becomes `previous`. There is a whole file under one of the
+/// two names at every moment.
+///
+/// # Errors
+/// As [`publish`].
+///
+/// # Parallel
+/// As [`publish`].
+pub fn replace(temporary: &Path, path: &Path, previous: &Path) -> Result<()> {
+    let flushed = File::open(temporary).and_then(|file| file.sync_all());
+    let kept = flushed.and_then(|()| match fs::rename(path, previous) {
+        Err(cause) if cause.kind() == io::ErrorKind::NotFound => Ok(()),
+        other => other,
+    });
+    kept.and_then(|()| fs::rename(temporary, path))
+        .and_then(|()| flush_directory(path))
+        .map_err(|cause| Error::file("cannot write", path, cause))
+}
+
 /// Writes a text file at once.
 ///
 /// # Errors

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::comm::Comm;
 use serde_json::Value;
 
-use super::atomic;
+use super::{atomic, checkpoint};
 use crate::error::{Error, Result};
 
 /// Name of the history table.
@@ -58,6 +58,20 @@ impl OutputDirectory {
         Ok(Self { path: path.to_path_buf() })
     }
 
+    /// Takes over a directory to go on with its results: those of the same physics up to the step
+    /// `last` stay, later field files go.
+    ///
+    /// # Errors
+    /// As [`OutputDirectory::open`].
+    ///
+    /// # Parallel
+    /// As [`OutputDirectory::open`].
+    pub fn resume(comm: &Comm, path: &Path, case: &str, last: usize) -> Result<Self> {
+        let taken = if comm.is_root() { go_on(path, case, last) } else { Ok(()) };
+        comm.agree(taken)?;
+        Ok(Self { path: path.to_path_buf() })
+    }
+
     /// The directory itself.
     pub fn path(&self) -> &Path {
         &self.path
@@ -84,6 +98,16 @@ fn examine(path: &Path, case: &str, overwrite: bool) -> Result<Vec<PathBuf>> {
     fs::create_dir_all(path)
         .map_err(|cause| Error::file("cannot create the output directory", path, cause))?;
     let ours = our_files(path)?;
+    if !overwrite
+        && let Some(newest) = ours.iter().find(|f| f.ends_with(checkpoint::NEWEST))
+        && !has_ended(path)
+    {
+        return Err(Error::Input(format!(
+            "{} is of a run that was stopped: go on from it with --restart latest, or start anew \
+             with --overwrite",
+            newest.display()
+        )));
+    }
     if !overwrite && let Some(reason) = belongs_to_another(path, &ours, case) {
         return Err(Error::Input(format!(
             "the output directory {} {reason}; \
@@ -94,10 +118,37 @@ fn examine(path: &Path, case: &str, overwrite: bool) -> Result<Vec<PathBuf>> {
     Ok(ours)
 }
 
+/// Whether the report tells of a run that came to its end.
+fn has_ended(path: &Path) -> bool {
+    let report = fs::read_to_string(path.join(REPORT)).ok();
+    let report: Option<Value> = report.and_then(|text| serde_json::from_str(&text).ok());
+    let status = report.as_ref().and_then(|r| r.get("status")?.as_str());
+    matches!(status, Some("done" | "expectation_missed"))
+}
+
 fn take(path: &Path, case: &str, overwrite: bool) -> Result<()> {
     let ours = examine(path, case, overwrite)?;
     // The marker stays until it is replaced, so that a run killed here leaves a directory of a known case.
     for file in ours.iter().filter(|f| !f.ends_with(CASE)) {
+        fs::remove_file(file).map_err(|cause| Error::file("cannot remove", file, cause))?;
+    }
+    atomic::write_text(&path.join(CASE), case)?;
+    let fields = path.join(FIELDS);
+    fs::create_dir_all(&fields)
+        .map_err(|cause| Error::file("cannot create the directory", &fields, cause))
+}
+
+fn go_on(path: &Path, case: &str, last: usize) -> Result<()> {
+    fs::create_dir_all(path)
+        .map_err(|cause| Error::file("cannot create the output directory", path, cause))?;
+    let later = |file: &&PathBuf| {
+        let name = file.file_name().and_then(|n| n.to_str()).unwrap_or_default();
+        let step = name.strip_suffix(".vtkhdf").and_then(|stem| stem.rsplit_once('_'));
+        let leftover = atomic::parse_temporary(name).is_some();
+        let step = step.and_then(|(_, number)| number.parse::<usize>().ok());
+        leftover || file.ends_with(REPORT) || step.is_some_and(|step| step > last)
+    };
+    for file in our_files(path)?.iter().filter(later) {
         fs::remove_file(file).map_err(|cause| Error::file("cannot remove", file, cause))?;
     }
     atomic::write_text(&path.join(CASE), case)?;
@@ -136,7 +187,7 @@ fn belongs_to_another(path: &Path, ours: &[PathBuf], case: &str) -> Option<Strin
 }
 
 /// The key at which two different values first differ, as it would be given to `--set`.
-fn first_difference(a: &Value, b: &Value) -> String {
+pub fn first_difference(a: &Value, b: &Value) -> String {
     fn walk(a: &Value, b: &Value, key: &str) -> Option<String> {
         let join = |k: &str| if key.is_empty() { k.to_string() } else { format!("{key}.{k}") };
         match (a, b) {
@@ -156,7 +207,9 @@ fn first_difference(a: &Value, b: &Value) -> String {
 
 /// The files in the directory that a run wrote, and what dead runs left of them.
 fn our_files(path: &Path) -> Result<Vec<PathBuf>> {
-    let mut found = list(path, |name| [HISTORY, REPORT, CASE].contains(&name))?;
+    let mut found = list(path, |name| {
+        [HISTORY, REPORT, CASE, checkpoint::NEWEST, checkpoint::PREVIOUS].contains(&name)
+    })?;
     let fields = path.join(FIELDS);
     if fields.is_dir() {
         found.extend(list(&fields, is_field_file)?);

@@ -2,11 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use serde::{Deserialize, Serialize};
+
 use super::atomic;
 use crate::error::{Error, Result};
 
 /// Names of columns and rows of values; `None` is an empty field.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Table {
     /// Names, in the order in which they are written.
     pub columns: Vec<String>,
@@ -82,7 +84,18 @@ impl History {
     /// # Parallel
     /// Local; rank 0 keeps the history.
     pub fn create(path: PathBuf, columns: Vec<String>) -> Result<Self> {
-        let history = Self { path, table: Table { columns, rows: Vec::new() } };
+        Self::resume(path, Table { columns, rows: Vec::new() })
+    }
+
+    /// Goes on with the rows of an earlier run, which take the place of those in the file.
+    ///
+    /// # Errors
+    /// As [`History::create`].
+    ///
+    /// # Parallel
+    /// As [`History::create`].
+    pub fn resume(path: PathBuf, table: Table) -> Result<Self> {
+        let history = Self { path, table };
         history.write()?;
         Ok(history)
     }

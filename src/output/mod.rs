@@ -4,9 +4,11 @@
 //! under a temporary name beside its place, flushed to the disk and renamed.
 
 pub mod atomic;
+pub mod checkpoint;
 pub mod directory;
 pub mod hdf5;
 pub mod history;
 pub mod publisher;
 pub mod series;
 pub mod vtkhdf;
+pub mod whole;

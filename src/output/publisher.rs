@@ -14,6 +14,8 @@ use crate::error::{Error, Result};
 enum Job {
     /// A complete temporary file gets its name.
     Publish { temporary: PathBuf, path: PathBuf },
+    /// The same, and what bore the name gets another.
+    Replace { temporary: PathBuf, path: PathBuf, previous: PathBuf },
     /// A text is written.
     Text { path: PathBuf, text: String },
 }
@@ -35,6 +37,18 @@ impl Publisher {
     /// Local; one rank does it, after every rank has closed the file.
     pub fn publish(&mut self, temporary: &Path, path: &Path) -> Result<()> {
         self.push(Job::Publish { temporary: temporary.into(), path: path.into() })
+    }
+
+    /// As [`Publisher::publish`], and what bears the name until then becomes `previous`.
+    ///
+    /// # Errors
+    /// As [`Publisher::publish`].
+    ///
+    /// # Parallel
+    /// As [`Publisher::publish`].
+    pub fn replace(&mut self, temporary: &Path, path: &Path, previous: &Path) -> Result<()> {
+        let (temporary, path) = (temporary.into(), path.into());
+        self.push(Job::Replace { temporary, path, previous: previous.into() })
     }
 
     /// Writes a text file, as [`Publisher::publish`].
@@ -69,6 +83,10 @@ impl Publisher {
                 jobs.iter().try_for_each(|job| match job {
                     Job::Publish { temporary, path } => atomic::publish(&temporary, &path)
                         .inspect_err(|_| atomic::discard(&temporary)),
+                    Job::Replace { temporary, path, previous } => {
+                        atomic::replace(&temporary, &path, &previous)
+                            .inspect_err(|_| atomic::discard(&temporary))
+                    }
                     Job::Text { path, text } => atomic::write_text(&path, &text),
                 })
             };
@@ -76,7 +94,7 @@ impl Publisher {
         });
         let refused = sender.send(job).err();
         let Some(refused) = refused else { return Ok(()) };
-        if let Job::Publish { temporary, .. } = &refused.0 {
+        if let Job::Publish { temporary, .. } | Job::Replace { temporary, .. } = &refused.0 {
             atomic::discard(temporary);
         }
         self.finish()

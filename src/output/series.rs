@@ -19,6 +19,8 @@ pub struct Series {
     directory: PathBuf,
     name: String,
     files: Vec<Instant>,
+    /// The file with the grid, once it is written.
+    mesh: Option<String>,
 }
 
 /// A grid and the data that never change.
@@ -46,7 +48,22 @@ struct Index<'a> {
 impl Series {
     /// A series without files; `name` is `bulk` or the name of an interface.
     pub fn new(directory: PathBuf, name: &str) -> Self {
-        Self { directory, name: name.to_string(), files: Vec::new() }
+        Self { directory, name: name.to_string(), files: Vec::new(), mesh: None }
+    }
+
+    /// A series that goes on: `written` are the steps and times of an earlier run, of which those
+    /// whose file is there stay in it. The grid is written anew, since other ranks number it otherwise.
+    pub fn resume(directory: PathBuf, name: &str, written: &[(usize, f64)]) -> Self {
+        let mut series = Self::new(directory, name);
+        let file = |(step, time): &(usize, f64)| Instant { name: series.file(*step), time: *time };
+        let there = |i: &Instant| series.directory.join(&i.name).is_file();
+        let files = written.iter().map(file).filter(there).collect();
+        series.files = files;
+        series
+    }
+
+    fn file(&self, step: usize) -> String {
+        format!("{}_{step:06}.vtkhdf", self.name)
     }
 
     /// Writes one instant, then the index with it; the grid and what never changes once, before.
@@ -69,12 +86,18 @@ impl Series {
         fixed: Fixed,
         data: Data,
     ) -> Result<()> {
-        let mesh = format!("{}_mesh.vtkhdf", self.name);
         let Fixed { grid, data: known } = fixed;
-        if self.files.is_empty() {
-            write_grid(comm, publisher, &self.directory.join(&mesh), grid, known)?;
-        }
-        let name = format!("{}_{step:06}.vtkhdf", self.name);
+        let mesh = match &self.mesh {
+            Some(mesh) => mesh.clone(),
+            None => {
+                let first = self.files.is_empty();
+                let number = if first { String::new() } else { format!("_{step:06}") };
+                let mesh = format!("{}_mesh{number}.vtkhdf", self.name);
+                write_grid(comm, publisher, &self.directory.join(&mesh), grid, known)?;
+                self.mesh.insert(mesh).clone()
+            }
+        };
+        let name = self.file(step);
         write_data(comm, publisher, &self.directory.join(&name), (&mesh, grid, known), data)?;
         self.files.push(Instant { name, time });
         comm.agree(if comm.is_root() { self.write_index(publisher) } else { Ok(()) })

@@ -6,17 +6,16 @@
 //!
 //! Format: VTK file formats, "VTKHDF file format", version 1.0.
 
-use std::fs;
 use std::path::Path;
 
 use crate::comm::Comm;
 use crate::element::Shape;
+use ::hdf5::Group;
 use ::hdf5::types::FixedAscii;
-use ::hdf5::{Group, H5Type};
 
-use super::atomic;
 use super::hdf5::{CollectiveFile, Rows};
 use super::publisher::Publisher;
+use super::whole::WholeFile;
 use crate::error::{Error, Result};
 use crate::fault;
 
@@ -163,7 +162,7 @@ pub fn write_data(
     let writer = GridWriter::new(comm, path, grid);
     comm.agree(check(grid, writer.points.total, data))?;
     let link = |group: &Group, place: &str, name: &str| {
-        writer.agreed(group.link_external(mesh, &format!("{place}/{name}"), name))
+        writer.file.agreed(group.link_external(mesh, &format!("{place}/{name}"), name))
     };
     writer.write(publisher, writer.size_of(data), |file, group| {
         for name in GRID {
@@ -201,8 +200,7 @@ fn check(grid: &Grid, points: u64, data: Data) -> Result<()> {
 }
 
 struct GridWriter<'a> {
-    comm: &'a Comm,
-    path: &'a Path,
+    file: WholeFile<'a>,
     points: Rows,
     cells: Rows,
     connectivity: Rows,
@@ -213,7 +211,7 @@ impl<'a> GridWriter<'a> {
     fn new(comm: &'a Comm, path: &'a Path, grid: &Grid) -> Self {
         let (points, cells) = (rows_of(comm, grid.points.len()), rows_of(comm, grid.shapes.len()));
         let connectivity = rows_of(comm, grid.connectivity.len());
-        Self { comm, path, points, cells, connectivity }
+        Self { file: WholeFile { comm, path }, points, cells, connectivity }
     }
 
     /// Bytes of data, with ample room for names and shapes.
@@ -228,72 +226,32 @@ impl<'a> GridWriter<'a> {
         self.points.total * 24 + self.connectivity.total * 8 + self.cells.total * 9
     }
 
-    fn explain(&self, outcome: std::io::Result<()>, size: u64) -> Result<()> {
-        outcome.map_err(|cause| {
-            Error::file("cannot write", self.path, format!("{cause} (its size is {size} bytes)"))
-        })
-    }
-
-    /// Writes the file under a temporary name, `fill` what is in its group, and has it published.
+    /// Writes the file, `fill` what is in its group, and has it published.
     fn write(
         &self,
         publisher: &mut Publisher,
         size: u64,
         fill: impl FnOnce(&CollectiveFile, &Group) -> Result<()>,
     ) -> Result<()> {
-        let (comm, root) = (self.comm, self.comm.is_root());
-        let process = comm.max_u64(if root { u64::from(std::process::id()) } else { 0 }) as u32;
-        let temporary = atomic::temporary(self.path, process);
-        // The library does not pass on why a file cannot be created; the operating system does.
-        let create =
-            || fs::File::create(&temporary).and_then(|_| atomic::reserve(&temporary, size));
-        let created = if root { self.explain(create(), size) } else { Ok(()) };
-        if root && created.is_err() {
-            atomic::discard(&temporary);
-        }
-        comm.agree(created)?;
-
-        let mut outcome = self.write_temporary(&temporary, size, fill);
-        if root {
-            match outcome {
-                Ok(()) => outcome = publisher.publish(&temporary, self.path),
-                Err(_) => atomic::discard(&temporary),
-            }
-        }
-        comm.agree(outcome)
-    }
-
-    fn write_temporary(
-        &self,
-        temporary: &Path,
-        size: u64,
-        fill: impl FnOnce(&CollectiveFile, &Group) -> Result<()>,
-    ) -> Result<()> {
-        let file = self.agreed(CollectiveFile::create(self.comm, temporary))?;
-        // Creating the file gave back the room that was made for it.
-        let root = self.comm.is_root();
-        let room = if root { atomic::reserve(temporary, size) } else { Ok(()) };
-        let written = self.comm.agree(self.explain(room, size)).and_then(|()| {
-            let group = self.agreed(file.create_group("VTKHDF"))?;
-            self.agreed(write_kind(&group))?;
-            fault::strike(self.comm, "output")?;
-            fill(&file, &group)
-        });
-        // Closing is collective and every rank is here, whether the writes went well or not.
-        let closed = self.agreed(file.close());
-        written.and(closed)
+        let path = self.file.path;
+        let publish = |temporary: &Path| publisher.publish(temporary, path);
+        self.file.write("VTKHDF", size, publish, |file, group| {
+            self.file.agreed(write_kind(group))?;
+            fault::strike(self.file.comm, "output")?;
+            fill(file, group)
+        })
     }
 
     fn grid(&self, file: &CollectiveFile, group: &Group, grid: &Grid) -> Result<()> {
         let (points, cells, connectivity) = (self.points, self.cells, self.connectivity);
-        let root = self.comm.is_root();
+        let root = self.file.comm.is_root();
         let totals = [points.total, cells.total, connectivity.total];
         for (name, total) in GRID.into_iter().zip(totals) {
             let own: &[i64] = if root { &[total as i64] } else { &[] };
-            self.rows(file, group, name, Rows { first: 0, total: 1 }, 1, own)?;
+            self.file.rows(file, group, name, Rows { first: 0, total: 1 }, 1, own)?;
         }
-        self.rows(file, group, "Points", points, 3, grid.points.as_flattened())?;
-        self.rows(file, group, "Connectivity", connectivity, 1, grid.connectivity)?;
+        self.file.rows(file, group, "Points", points, 3, grid.points.as_flattened())?;
+        self.file.rows(file, group, "Connectivity", connectivity, 1, grid.connectivity)?;
 
         // Offsets has one entry more than there are cells: rank 0 writes the leading zero.
         let mut end = connectivity.first as i64;
@@ -303,9 +261,16 @@ impl<'a> GridWriter<'a> {
         });
         let offsets: Vec<i64> = root.then_some(0).into_iter().chain(ends).collect();
         let first = if root { 0 } else { cells.first + 1 };
-        self.rows(file, group, "Offsets", Rows { first, total: cells.total + 1 }, 1, &offsets)?;
+        self.file.rows(
+            file,
+            group,
+            "Offsets",
+            Rows { first, total: cells.total + 1 },
+            1,
+            &offsets,
+        )?;
         let types: Vec<u8> = grid.shapes.iter().map(|shape| cell_type(*shape)).collect();
-        self.rows(file, group, "Types", cells, 1, &types)
+        self.file.rows(file, group, "Types", cells, 1, &types)
     }
 
     /// Writes data; `more` adds to the group of the given name.
@@ -318,34 +283,18 @@ impl<'a> GridWriter<'a> {
     ) -> Result<()> {
         let kinds = [(POINT_DATA, self.points, data.points), ("CellData", self.cells, data.cells)];
         for (name, rows, arrays) in kinds {
-            let group = self.agreed(parent.create_group(name))?;
+            let group = self.file.agreed(parent.create_group(name))?;
             for array in arrays {
                 let (name, components) = (array.name, array.components);
                 match array.values {
-                    Values::F64(v) => self.rows(file, &group, name, rows, components, v)?,
-                    Values::I64(v) => self.rows(file, &group, name, rows, components, v)?,
-                    Values::I32(v) => self.rows(file, &group, name, rows, components, v)?,
+                    Values::F64(v) => self.file.rows(file, &group, name, rows, components, v)?,
+                    Values::I64(v) => self.file.rows(file, &group, name, rows, components, v)?,
+                    Values::I32(v) => self.file.rows(file, &group, name, rows, components, v)?,
                 }
             }
             more(&group, name)?;
         }
         Ok(())
-    }
-
-    fn rows<T: H5Type>(
-        &self,
-        file: &CollectiveFile,
-        group: &Group,
-        name: &str,
-        rows: Rows,
-        components: usize,
-        values: &[T],
-    ) -> Result<()> {
-        self.agreed(file.write_rows(group, name, rows, components, values))
-    }
-
-    fn agreed<T>(&self, result: ::hdf5::Result<T>) -> Result<T> {
-        self.comm.agree(result.map_err(|cause| Error::file("cannot write", self.path, cause)))
     }
 }
 

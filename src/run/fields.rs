@@ -17,28 +17,20 @@ pub struct FieldWriter {
     mesh: Option<BulkMesh>,
     bulk: Series,
     interfaces: Vec<Series>,
-    /// Works on rank 0.
-    publisher: Publisher,
+    /// Steps and times so far.
+    pub written: Vec<(usize, f64)>,
 }
 
 impl FieldWriter {
-    /// Series without files.
-    pub fn new(case: &Case, directory: &OutputDirectory) -> Self {
-        let series = |name: &str| Series::new(directory.fields(), name);
+    /// Series that go on from the steps and times that an earlier run has written.
+    pub fn new(case: &Case, directory: &OutputDirectory, written: Vec<(usize, f64)>) -> Self {
+        let series = |name: &str| Series::resume(directory.fields(), name, &written);
         Self {
             mesh: None,
             bulk: series("bulk"),
             interfaces: case.interfaces.iter().map(|i| series(&i.name)).collect(),
-            publisher: Publisher::default(),
+            written,
         }
-    }
-
-    /// Waits until every file has its name. Collective.
-    ///
-    /// # Errors
-    /// `System` when a file could not be completed.
-    pub fn finish(&mut self, comm: &Comm) -> Result<()> {
-        comm.agree(self.publisher.finish())
     }
 
     /// Writes the state that `model` has reached, as step `step` at `time`. Collective.
@@ -48,12 +40,13 @@ impl FieldWriter {
     pub fn write(
         &mut self,
         comm: &Comm,
+        publisher: &mut Publisher,
         case: &Case,
         model: &Model<'_>,
-        step: usize,
-        time: f64,
+        (step, time): (usize, f64),
     ) -> Result<()> {
-        self.write_bulk(comm, case, model, step, time)?;
+        self.written.push((step, time));
+        self.write_bulk(comm, publisher, case, model, (step, time))?;
         let problem = &model.stepper.problem;
         let tractions = nodal_tractions(model);
         for (index, series) in self.interfaces.iter_mut().enumerate() {
@@ -91,7 +84,7 @@ impl FieldWriter {
                 [Array { name: "global_node_id", components: 1, values: Values::I64(&names) }];
             let fixed = Fixed { grid: &grid, data: Data { points: &known, cells: &[] } };
             let data = Data { points: &data, cells: &[] };
-            series.write(comm, &mut self.publisher, (step, time), fixed, data)?;
+            series.write(comm, publisher, (step, time), fixed, data)?;
         }
         Ok(())
     }
@@ -99,10 +92,10 @@ impl FieldWriter {
     fn write_bulk(
         &mut self,
         comm: &Comm,
+        publisher: &mut Publisher,
         case: &Case,
         model: &Model<'_>,
-        step: usize,
-        time: f64,
+        (step, time): (usize, f64),
     ) -> Result<()> {
         let problem = &model.stepper.problem;
         let (all, dim) = (&problem.all, case.dim);
@@ -137,7 +130,7 @@ impl FieldWriter {
             cells: &[array("stress", 6, Values::F64(&stress))],
         };
         let fixed = Fixed { grid: &grid, data: known };
-        self.bulk.write(comm, &mut self.publisher, (step, time), fixed, data)
+        self.bulk.write(comm, publisher, (step, time), fixed, data)
     }
 }
 

@@ -92,7 +92,9 @@ pub fn print_exit(exit: &Exit) {
 
 /// One message on stderr, in one write.
 pub fn complain(error: &Error) {
-    let text: String = error.to_string().lines().map(|line| format!("error: {line}\n")).collect();
+    // To stop when asked is no error.
+    let word = if matches!(error, Error::Stopped(_)) { "" } else { "error: " };
+    let text: String = error.to_string().lines().map(|line| format!("{word}{line}\n")).collect();
     drop(std::io::stderr().write_all(text.as_bytes()));
 }
 

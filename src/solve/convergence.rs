@@ -8,12 +8,14 @@ use crate::law::Branch;
 use crate::mesh::Column;
 use crate::partition::mix;
 use crate::petsc::Verdict;
+use crate::signals;
+use std::time::Duration;
 
 /// Longest period of a branch cycle that is recognised.
 const LONGEST_CYCLE: usize = 4;
 
 /// After so many cycles of the branches in one solve a smaller step is cheaper.
-const MOST_CYCLES: i32 = 3;
+const MOST_CYCLES: i32 = 1;
 
 /// The largest of some nodal values, and where it is.
 #[derive(Debug, Clone, Copy, Default)]
@@ -131,6 +133,16 @@ impl Convergence {
         self.accepted[0]
     }
 
+    /// Largest nodal force scale (N) and displacement (m) of the accepted states.
+    pub fn accepted_scales(&self) -> [f64; 2] {
+        self.accepted
+    }
+
+    /// Takes the scales of the states that an earlier run accepted.
+    pub fn resume(&mut self, accepted: [f64; 2]) {
+        self.accepted = accepted;
+    }
+
     /// Starts a step.
     pub fn start(&mut self) {
         self.signatures.clear();
@@ -242,6 +254,10 @@ impl Convergence {
         );
         if out_of_balance.max(largest).max(control) <= self.tolerance {
             return Ok(Verdict::Converged);
+        }
+        if let Some(signal) = signals::stop(comm, Duration::ZERO) {
+            self.failure = Some(format!("stopped by {signal}"));
+            return Ok(Verdict::Diverged);
         }
         let signature = comm.sum_u64(signature);
         if self.signatures.last() == Some(&signature) {

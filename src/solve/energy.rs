@@ -51,9 +51,9 @@ fn held(problem: &Problem<'_>, load: &[f64]) -> [f64; 2] {
 /// What does work between two accepted states.
 #[derive(Debug, Clone)]
 pub(super) struct Work {
-    displacement: Vec<f64>,
-    force: Vec<f64>,
-    total: f64,
+    pub(super) displacement: Vec<f64>,
+    pub(super) force: Vec<f64>,
+    pub(super) total: f64,
 }
 
 impl Work {

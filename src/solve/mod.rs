@@ -14,6 +14,7 @@ mod rigid;
 mod saddle;
 mod setup;
 mod stability;
+mod state;
 mod stepping;
 
 pub use energy::Energy;
@@ -23,4 +24,5 @@ pub use linear::{LinearChoice, MULTIGRID};
 pub use problem::Problem;
 pub use setup::{Model, build};
 pub use stability::{Instability, Stability};
+pub use state::StepState;
 pub use stepping::{Accepted, Bifurcation, Stepper};

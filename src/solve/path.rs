@@ -92,6 +92,16 @@ impl PathControl {
         sums.value / sums.weight
     }
 
+    /// The factor of the last accepted state.
+    pub fn accepted_factor(&self) -> f64 {
+        self.accepted
+    }
+
+    /// Goes on from the factor of a state that an earlier run accepted.
+    pub fn resume(&mut self, factor: f64) {
+        (self.accepted, self.factor) = (factor, factor);
+    }
+
     /// Makes the factor that of an accepted state.
     pub fn accept(&mut self) {
         self.accepted = self.factor;

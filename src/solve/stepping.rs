@@ -6,13 +6,17 @@ mod descent;
 
 pub use branching::Bifurcation;
 
+use std::time::{Duration, Instant};
+
 use super::energy::{Energy, Work};
 use super::problem::Problem;
 use super::saddle::{SaddlePoint, SaddleSystem};
 use super::stability::Instability;
+use super::state::StepState;
 use crate::case::{Case, Stability};
 use crate::error::{Error, Result};
 use crate::petsc::{Snes, SolveReport, Vector};
+use crate::signals;
 use crate::space::Prescribed;
 use branching::Consequence;
 
@@ -40,11 +44,11 @@ pub struct Stepper<'a> {
     pub problem: Problem<'a>,
     /// The nonlinear solver.
     pub snes: Snes,
-    case: &'a Case,
+    pub(super) case: &'a Case,
     /// Set in the saddle-point form.
     saddle: Option<SaddlePoint>,
     /// The unknowns, the displacements first.
-    x: Vector,
+    pub(super) x: Vector,
     prescribed: Prescribed,
     breakpoints: Vec<f64>,
     /// The accepted states that are not stable.
@@ -52,16 +56,22 @@ pub struct Stepper<'a> {
     /// The accepted states that were reached from one that is not stable.
     pub bifurcations: Vec<Bifurcation>,
     /// Whether smaller steps are tried where states are unstable.
-    tries_smaller_steps: bool,
+    pub(super) tries_smaller_steps: bool,
     /// Whether the running step was cut for an unstable state.
     is_cutting: bool,
     /// Whether conjugate gradients have met an indefinite tangent.
     is_indefinite: bool,
-    work: Work,
-    time: f64,
+    pub(super) work: Work,
+    pub(super) time: f64,
     /// Length of the steps to begin with, where earlier ones had to be cut.
-    step: f64,
-    energy: Energy,
+    pub(super) step: f64,
+    pub(super) energy: Energy,
+    /// What it took since the last instant.
+    pub(super) since_instant: Accepted,
+    /// What an earlier run left behind.
+    pub earlier: StepState,
+    /// How long the longest accepted step took.
+    longest: Duration,
 }
 
 impl<'a> Stepper<'a> {
@@ -97,6 +107,9 @@ impl<'a> Stepper<'a> {
             time,
             step: f64::INFINITY,
             energy,
+            since_instant: Accepted::default(),
+            earlier: StepState::default(),
+            longest: Duration::ZERO,
         }
     }
 
@@ -108,11 +121,15 @@ impl<'a> Stepper<'a> {
     /// leaves a body free; `Input` when a
     /// formula gives no finite number.
     pub fn advance(&mut self, instant: f64) -> Result<Accepted> {
-        let mut total = Accepted::default();
+        let mut total = std::mem::take(&mut self.since_instant);
         while self.time < instant {
             let passed = self.breakpoints.partition_point(|time| *time <= self.time);
             let next = self.breakpoints.get(passed).map_or(instant, |time| time.min(instant));
-            self.advance_without_bends(next, &mut total)?;
+            let advanced = self.advance_without_bends(next, &mut total);
+            if advanced.is_err() {
+                self.since_instant = total;
+                advanced?;
+            }
         }
         total.energy = self.energy;
         total.residual_norm = self.problem.residual_norm;
@@ -124,6 +141,8 @@ impl<'a> Stepper<'a> {
         let smallest = (instant - self.time) / f64::from(1 << MOST_HALVINGS);
         let mut step = self.step.min(instant - self.time);
         while self.time < instant {
+            self.stop_if_asked(self.longest)?;
+            let (started, counts) = (Instant::now(), *total);
             // Halving is exact, so the last step ends at the instant to the last bit.
             let target = if instant - self.time <= 1.5 * step { instant } else { self.time + step };
             let mut before = self.x.duplicate()?;
@@ -139,6 +158,7 @@ impl<'a> Stepper<'a> {
                 self.accept(self.reached(target)?);
                 self.keep(unstable, consequence);
                 total.steps += 1;
+                self.longest = self.longest.max(started.elapsed());
                 step *= 2.0;
                 continue;
             }
@@ -147,6 +167,11 @@ impl<'a> Stepper<'a> {
                 None => self.reason(&report),
             };
             self.x.copy_from(&before)?;
+            if let Err(stopped) = self.stop_if_asked(Duration::ZERO) {
+                // The step is made again by the run that goes on.
+                *total = counts;
+                return Err(stopped);
+            }
             if step <= smallest && converged {
                 return Err(Error::Numerics(format!(
                     "{why}; a step of {step:e} from {} changes nothing (solver.stability: warn goes on)",
@@ -169,6 +194,15 @@ impl<'a> Stepper<'a> {
             self.step = step;
         }
         Ok(())
+    }
+
+    /// Ends the run at the last accepted state when a signal asks for it, or when another step of the
+    /// length `ahead` would pass the wall-clock limit. Collective.
+    fn stop_if_asked(&self, ahead: Duration) -> Result<()> {
+        match signals::stop(self.problem.comm, ahead) {
+            Some(reason) => Err(Error::Stopped(format!("stopped by {reason}"))),
+            None => Ok(()),
+        }
     }
 
     /// Force of the support on the body at each owned node with prescribed components, by the

@@ -2,7 +2,7 @@
 //!
 //! Each rank keeps the entries of one range of names, so that no rank holds them all.
 
-use crate::comm::Comm;
+use crate::comm::{Comm, first_of, keeper_of};
 use crate::partition::mix;
 
 /// Owner and block number of a node.
@@ -121,31 +121,5 @@ impl<'a> Directory<'a> {
                 answers[keeper][next[keeper] - 1]
             })
             .collect()
-    }
-}
-
-/// The last rank whose first name is not above `name`: floor(r total / ranks) <= name.
-fn keeper_of(name: u64, total: u64, ranks: u64) -> u64 {
-    (((u128::from(name) + 1) * u128::from(ranks) - 1) / u128::from(total)) as u64
-}
-
-/// First name whose entry rank `rank` keeps.
-fn first_of(rank: u64, total: u64, ranks: u64) -> u64 {
-    (u128::from(rank) * u128::from(total) / u128::from(ranks)) as u64
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_name_has_its_keeper() {
-        for (total, ranks) in [(8, 20), (8, 3), (8, 8), (1000, 7), (12, 13), (u64::MAX / 2, 4096)] {
-            for name in (0..total.min(1000)).chain(total - total.min(5)..total) {
-                let keeper = keeper_of(name, total, ranks);
-                let range = first_of(keeper, total, ranks)..first_of(keeper + 1, total, ranks);
-                assert!(keeper < ranks && range.contains(&name), "{name} of {total} on {ranks}");
-            }
-        }
     }
 }

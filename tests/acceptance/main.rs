@@ -15,6 +15,7 @@ mod path;
 mod ranks;
 mod reference;
 mod refinement;
+mod restart;
 mod scene;
 mod shipped;
 mod stability;

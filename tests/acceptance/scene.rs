@@ -4,6 +4,7 @@ use crate::common::mpirun_within;
 use column_hpc::output::history::Table;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Output;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::Duration;
@@ -64,7 +65,7 @@ pub struct Run {
 }
 
 /// A directory for one file or one run, of this process alone.
-fn fresh() -> PathBuf {
+pub fn fresh() -> PathBuf {
     static NEXT: AtomicUsize = AtomicUsize::new(0);
     let number = NEXT.fetch_add(1, Ordering::Relaxed);
     let path = Path::new(env!("CARGO_TARGET_TMPDIR"))
@@ -107,6 +108,26 @@ impl Scene {
     /// The same, which leaves field files behind.
     pub fn with_fields(&self) -> Self {
         Self { fields: true, ..self.clone() }
+    }
+
+    /// Starts the scene with a fault (or none, if empty), its results in `directory`.
+    pub fn launch(&self, ranks: usize, directory: &Path, fault: &str, more: &[&str]) -> Output {
+        let mut args: Vec<String> = vec![format!("COLUMN_HPC_FAULT={fault}"), PROGRAM.into()];
+        args.extend([self.case.to_string_lossy().into_owned()]);
+        args.extend(["--output".into(), directory.to_string_lossy().into_owned()]);
+        args.extend(self.sets.iter().flat_map(|s| ["--set".to_string(), s.clone()]));
+        args.extend(more.iter().map(|word| (*word).to_owned()));
+        let args: Vec<&str> = args.iter().map(String::as_str).collect();
+        let _turn = Turn::wait();
+        mpirun_within(LIMIT, ranks, "env", &args)
+    }
+
+    /// What a run left in a directory.
+    pub fn left_in(directory: &Path, label: String) -> Run {
+        let table = Table::read(&directory.join("history.csv")).expect("a complete history");
+        let report = fs::read_to_string(directory.join("report.json")).expect("a report");
+        let report = serde_json::from_str(&report).expect("valid JSON");
+        Run { label, directory: directory.into(), table, report, screen: String::new() }
     }
 
     /// Runs the scene; it has to end well, every instant in one step unless more are allowed.

@@ -44,7 +44,7 @@ fn a_snap_back_ends_in_words() {
     let lines: Vec<&str> = answer.stderr.lines().collect();
     let begin = "error: no solution at time 0.94873046875, reached from 0.9482421875 with the \
                  smallest step 4.8828125e-4 (after 10 halvings): Newton's method cycles between 2 \
-                 states of the interfaces (4 corrections, out of balance ";
+                 states of the interfaces (10 corrections, out of balance ";
     assert!(lines[0].starts_with(begin), "{}", answer.stderr);
     let end = "; the tangent was indefinite (3 negative pivots); interface joint at (0, 0, 10) m softened";
     assert!(lines[0].ends_with(end), "{}", answer.stderr);
@@ -134,7 +134,7 @@ fn an_indefinite_tangent_is_solved_by_another_method() {
 }
 
 #[test]
-fn states_that_cycle_cut_the_step_and_the_instant_is_reached() {
+fn states_that_cycle_are_left_by_half_a_correction() {
     let folder = Folder::new();
     let scene = [
         "time.instants=[1]",
@@ -143,17 +143,15 @@ fn states_that_cycle_cut_the_step_and_the_instant_is_reached() {
     ];
     let answer = run(&folder, 1, &scene, &[]);
     assert_eq!((answer.status, answer.stderr.as_str()), (Some(0), ""));
-    let cut: Vec<&str> = answer.stdout.lines().filter(|l| l.ends_with("; halved")).collect();
-    assert!(
-        !cut.is_empty() && cut.iter().all(|l| l.contains("cycles between 2 states")),
-        "{cut:?}"
-    );
+    let cycle = "the branches cycle with period 2: 0.5 of each correction until they stay";
+    assert!(answer.stdout.contains(cycle), "{}", answer.stdout);
+    assert!(!answer.stdout.contains("halved"), "{}", answer.stdout);
     assert_eq!(folder.history("time"), ["1.0000000000000000e0"]);
     // Each solve judges its start, which is no correction, and every correction.
     let judged = |first: &str| answer.stdout.lines().filter(|l| l.starts_with(first)).count();
     let corrections = judged("  correction ") - judged("  correction   0");
     assert_eq!(folder.history("newton_iterations"), [corrections.to_string()]);
-    assert!(corrections > 10, "{corrections}");
+    assert!(corrections > 5, "{corrections}");
     // (K U - K delta_c) / (1 - K / h), K = 1.16e9 Pa/m.
     let (k, h, delta_c) = (1.16e9, 1.1e6 * 1.1e6 / 1800.0, 1800.0 / 1.1e6);
     let exact: f64 = k * (1.14e-3 - delta_c) / (1.0 - k / h);

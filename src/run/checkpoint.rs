@@ -1,0 +1,295 @@
+//! When a run writes checkpoints, and how it goes on from one.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::case::{Case, Every};
+use crate::comm::Comm;
+use crate::error::{Error, Result};
+use crate::output::checkpoint::{Checkpoint, Opened, candidates, write};
+use crate::output::directory::first_difference;
+use crate::output::history::Table;
+use crate::output::publisher::Publisher;
+use crate::signals;
+use crate::solve::{Model, StepState};
+
+/// Layout of the file; another one is refused.
+const FORMAT: u32 = 1;
+
+/// The word for the newest checkpoint of the output directory.
+const LATEST: &str = "latest";
+
+/// Everything of a run that is not a field.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunState {
+    format: u32,
+    /// The program that wrote it.
+    program: String,
+    /// The case with all defaults.
+    case: Value,
+    /// Names of nodes are below this.
+    nodes: u64,
+    /// Secondary nodes of all interfaces.
+    secondary: u64,
+    /// The solution.
+    pub step: StepState,
+    /// Instants that were accepted.
+    pub accepted: usize,
+    /// Corrections and linear iterations up to the last instant.
+    pub counts: [u64; 2],
+    /// 2-norm of the out-of-balance forces at every instant (N).
+    pub residual_norms: Vec<f64>,
+    /// The rows of history.csv.
+    pub history: Table,
+    /// Steps and times of the field files.
+    pub fields: Vec<(usize, f64)>,
+}
+
+/// What a run has done, beside its solution.
+pub struct Progress<'p> {
+    pub accepted: usize,
+    pub counts: [u64; 2],
+    pub residual_norms: &'p [f64],
+    /// On rank 0.
+    pub history: Option<&'p Table>,
+    pub fields: &'p [(usize, f64)],
+}
+
+/// Decides when a checkpoint is due, and writes it.
+pub struct Keeper {
+    every: Every,
+    last: Instant,
+    instants: usize,
+    /// Time of the state that was written last (s).
+    written: Option<f64>,
+}
+
+impl Keeper {
+    /// The first one is due `every` from now on.
+    pub fn new(every: Every) -> Self {
+        Self { every, last: Instant::now(), instants: 0, written: None }
+    }
+
+    /// Takes note of an instant; whether a checkpoint is due. Collective.
+    pub fn is_due(&mut self, comm: &Comm) -> bool {
+        self.instants += 1;
+        let asked = signals::checkpoint(comm);
+        asked
+            || match self.every {
+                Every::Instants(count) => self.instants >= count,
+                Every::Seconds(seconds) => {
+                    comm.any(self.last.elapsed() >= Duration::from_secs_f64(seconds))
+                }
+            }
+    }
+
+    /// Writes the last accepted state. Collective.
+    ///
+    /// # Errors
+    /// `System` with the path and the reason.
+    pub fn write(
+        &mut self,
+        comm: &Comm,
+        publisher: &mut Publisher,
+        directory: &Path,
+        (case, model): (&Case, &Model<'_>),
+        progress: &Progress<'_>,
+    ) -> Result<()> {
+        let all = &model.stepper.problem.all;
+        let state = model.stepper.state()?;
+        let run = RunState {
+            format: FORMAT,
+            program: format!("column-hpc {}", env!("CARGO_PKG_VERSION")),
+            case: case.resolved(),
+            nodes: all.nodes.total,
+            secondary: comm.sum_u64(all.owned_secondary() as u64),
+            step: state.step,
+            accepted: progress.accepted,
+            counts: progress.counts,
+            residual_norms: progress.residual_norms.to_vec(),
+            history: progress.history.cloned().unwrap_or_default(),
+            fields: progress.fields.to_vec(),
+        };
+        // Only the root has the history.
+        let text = comm.on_root(|| {
+            let bug = |cause: serde_json::Error| Error::Bug(format!("checkpoint: {cause}"));
+            serde_json::to_vec(&run).map_err(bug)
+        })?;
+        let meta = String::from_utf8_lossy(&text);
+        let fields = Checkpoint { meta: &meta, nodal: &state.nodal, interface: &state.interface };
+        write(comm, publisher, directory, all.nodes.total, &fields)?;
+        (self.last, self.instants) = (Instant::now(), 0);
+        self.written = Some(run.step.time);
+        Ok(())
+    }
+
+    /// Whether the last accepted state has been written. Local.
+    pub fn is_current(&self, model: &Model<'_>) -> bool {
+        self.written == Some(model.stepper.time())
+    }
+}
+
+/// A checkpoint that a run goes on from.
+pub struct Restart {
+    path: PathBuf,
+    /// Those to fall back to.
+    older: Vec<PathBuf>,
+    opened: Opened,
+    /// What it holds beside fields.
+    pub state: RunState,
+}
+
+impl Restart {
+    /// Opens the checkpoint that `--restart` names. Collective.
+    ///
+    /// # Errors
+    /// `Input` when there is none, none is whole, or the case differs in more than how it is solved
+    /// and what is written.
+    pub fn open(comm: &Comm, word: &str, directory: &Path, case: &Case) -> Result<Self> {
+        let mut found = if word == LATEST {
+            let list = if comm.is_root() { candidates(directory) } else { Ok(Vec::new()) };
+            let list = comm.agree(list)?;
+            let text = |path: &PathBuf| path.to_string_lossy().into_owned();
+            let names: Vec<String> = list.iter().map(text).collect();
+            let names = comm.broadcast_bytes(names.join("\n").into_bytes());
+            String::from_utf8_lossy(&names).lines().map(PathBuf::from).collect()
+        } else {
+            vec![PathBuf::from(word)]
+        };
+        found.reverse();
+        let restart = Self::next(comm, found)?;
+        let difference = difference(&restart.state, case);
+        match difference {
+            None => Ok(restart),
+            Some(words) => {
+                Err(Error::Input(format!("cannot go on from {}: {words}", restart.path.display())))
+            }
+        }
+    }
+
+    /// The last of `found` that is whole.
+    fn next(comm: &Comm, mut found: Vec<PathBuf>) -> Result<Self> {
+        loop {
+            let Some(path) = found.pop() else {
+                return Err(Error::Bug("a restart without a file".into()));
+            };
+            let opened = Opened::new(comm, &path).and_then(|opened| {
+                let state = parse(&path, &opened.meta)?;
+                Ok((opened, state))
+            });
+            match opened {
+                Ok((opened, state)) => return Ok(Self { path, older: found, opened, state }),
+                Err(error) if found.is_empty() => return Err(error),
+                Err(error) => tracing::warn!("warning: {error}; the checkpoint before it is taken"),
+            }
+        }
+    }
+
+    /// Makes the state that of `model`; falls back to an older checkpoint where fields are damaged.
+    /// Collective.
+    ///
+    /// # Errors
+    /// `Input` when none has whole fields of this mesh.
+    pub fn resume(self, comm: &Comm, model: &mut Model<'_>) -> Result<RunState> {
+        let Self { path, older, opened, state } = self;
+        let all = &model.stepper.problem.all;
+        let secondary = comm.sum_u64(all.owned_secondary() as u64);
+        let dim = all.dim;
+        let fields = if (state.nodes, state.secondary) == (all.nodes.total, secondary) {
+            opened.fields(comm, all.nodes.total, secondary, [2 * dim, 2])
+        } else {
+            Err(Error::Input(format!(
+                "cannot go on from {}: it is of a mesh with {} nodes, {} on interfaces, not {} and {}",
+                path.display(),
+                state.nodes,
+                state.secondary,
+                all.nodes.total,
+                secondary
+            )))
+        };
+        match fields {
+            Ok([nodal, interface]) => {
+                model.stepper.resume(state.step.clone(), &nodal, &interface)?;
+                tracing::info!(
+                    "restart    from {} at time {}, written by {}",
+                    path.display(),
+                    state.step.time,
+                    state.program
+                );
+                Ok(state)
+            }
+            Err(error) if older.is_empty() => Err(error),
+            Err(error) => {
+                tracing::warn!("warning: {error}; the checkpoint before it is taken");
+                Self::next(comm, older)?.resume(comm, model)
+            }
+        }
+    }
+}
+
+fn parse(path: &Path, meta: &str) -> Result<RunState> {
+    let wrong =
+        |cause: String| Error::Input(format!("cannot go on from {}: {cause}", path.display()));
+    let value: Value = serde_json::from_str(meta).map_err(|cause| wrong(cause.to_string()))?;
+    let format = value.get("format").and_then(Value::as_u64);
+    if format != Some(u64::from(FORMAT)) {
+        let found = format.map_or("none".into(), |f| f.to_string());
+        return Err(wrong(format!("its format is {found}, this program reads {FORMAT}")));
+    }
+    let state: RunState =
+        serde_json::from_value(value).map_err(|cause| wrong(cause.to_string()))?;
+    let rows = state.history.rows.len();
+    let widths = state.history.rows.iter().all(|row| row.len() == state.history.columns.len());
+    if rows != state.accepted || state.residual_norms.len() != rows || !widths {
+        return Err(wrong(format!("it has {rows} rows for {} instants", state.accepted)));
+    }
+    Ok(state)
+}
+
+/// In which of what the solution depends on the case is another one, in words.
+fn difference(state: &RunState, case: &Case) -> Option<String> {
+    // Both have been text, so that equal numbers are equal.
+    let now = serde_json::from_str(&case.resolved().to_string()).unwrap_or_default();
+    let (before, after) = (physics(state.case.clone()), physics(now));
+    if before != after {
+        let key = first_difference(&before, &after);
+        let at = |case: &Value| {
+            let pointer = format!("/{}", key.replace('.', "/"));
+            case.pointer(&pointer).map_or("nothing".into(), Value::to_string)
+        };
+        return Some(format!(
+            "`{key}` is {} there and {} here; a run goes on with the same model only",
+            at(&before),
+            at(&after)
+        ));
+    }
+    if state.history.columns != case.columns() {
+        return Some("its history has other columns; keep interfaces, supports and probes".into());
+    }
+    let times: Vec<f64> = state.history.rows.iter().filter_map(|row| row[0]).collect();
+    let reached = case.time.iter().take(state.accepted);
+    if !reached.copied().eq(times.iter().copied()) {
+        return Some(format!(
+            "it has gone through the instants {times:?}, which time.instants has to begin with"
+        ));
+    }
+    None
+}
+
+/// A resolved case without what may change from run to run: how it is solved, what is written and
+/// checked, and the instants.
+fn physics(mut case: Value) -> Value {
+    if let Value::Object(sections) = &mut case {
+        for key in ["title", "solver", "output", "limits", "expect"] {
+            sections.remove(key);
+        }
+        if let Some(Value::Object(time)) = sections.get_mut("time") {
+            time.remove("instants");
+        }
+    }
+    case
+}

@@ -1,0 +1,281 @@
+//! A run from instant to instant: solves, writes, and tells how it ended.
+
+use super::checkpoint::{Keeper, Progress, RunState};
+use super::fields::FieldWriter;
+use super::{history, probes, screen};
+use crate::case::{Case, Fields};
+use crate::comm::Comm;
+use crate::error::{Error, Result};
+use crate::fault;
+use crate::output::directory::OutputDirectory;
+use crate::output::history::{History, Table};
+use crate::output::publisher::Publisher;
+use crate::report::expectations::{Outcome, evaluate};
+use crate::report::{LeftOut, LinearSolver, Model as Modelled, Partition, Report, Status};
+use crate::report::{memory, tables, versions};
+use crate::runtime::Runtime;
+use crate::solve::Model;
+use crate::timers::{Phase, Timers};
+
+/// What a run carries from instant to instant.
+pub struct Session<'a> {
+    comm: &'a Comm,
+    timers: &'a Timers,
+    case: &'a Case,
+    directory: OutputDirectory,
+    /// Columns and earlier rows, until the history is made.
+    table: Table,
+    /// On rank 0.
+    history: Option<History>,
+    /// Corrections and linear iterations so far.
+    counts: [u64; 2],
+    /// 2-norm of the out-of-balance forces at every instant (N).
+    residual_norms: Vec<f64>,
+    /// Instants that are on disk.
+    accepted: usize,
+    fields: FieldWriter,
+    /// Gives files their names, on rank 0.
+    publisher: Publisher,
+    keeper: Keeper,
+}
+
+impl<'a> Session<'a> {
+    /// Starts, or goes on from the state of an earlier run.
+    pub fn new(
+        comm: &'a Comm,
+        timers: &'a Timers,
+        case: &'a Case,
+        directory: OutputDirectory,
+        state: Option<RunState>,
+    ) -> Self {
+        let fresh = Table { columns: case.columns(), rows: Vec::new() };
+        let keeper = Keeper::new(case.output.checkpoint);
+        let (table, counts, residual_norms, accepted, fields) = match state {
+            Some(s) => (s.history, s.counts, s.residual_norms, s.accepted, s.fields),
+            None => (fresh, [0; 2], Vec::new(), 0, Vec::new()),
+        };
+        let fields = FieldWriter::new(case, &directory, fields);
+        let publisher = Publisher::default();
+        let history = None;
+        Self {
+            comm,
+            timers,
+            case,
+            directory,
+            table,
+            history,
+            fields,
+            publisher,
+            keeper,
+            counts,
+            residual_norms,
+            accepted,
+        }
+    }
+
+    /// Solves and writes every instant that is left. Collective.
+    pub fn solve(&mut self, model: &mut Model<'_>) -> Result<()> {
+        let created = if self.comm.is_root() {
+            let table = std::mem::take(&mut self.table);
+            History::resume(self.directory.history(), table).map(Some)
+        } else {
+            Ok(None)
+        };
+        self.history = self.comm.agree(created)?;
+        let solved = self.instants(model);
+        let _phase = self.timers.enter(Phase::Output);
+        let stopped = matches!(solved, Err(Error::Stopped(_)));
+        if stopped && !self.keeper.is_current(model) {
+            self.write_checkpoint(model)?;
+        }
+        self.comm.agree(self.publisher.finish())?;
+        solved
+    }
+
+    fn instants(&mut self, model: &mut Model<'_>) -> Result<()> {
+        let probes = probes::locate(self.case, &model.mesh);
+        let names: Vec<String> = self.case.interfaces.iter().map(|i| i.name.clone()).collect();
+        tracing::info!("{}", tables::instant_header(&names));
+        let progress = screen::Progress::new(self.comm.is_root(), self.case.time.len());
+        for (number, time) in self.case.time.iter().enumerate().skip(self.accepted) {
+            let accepted = {
+                let _phase = self.timers.enter(Phase::Solve);
+                model.stepper.advance(*time)?
+            };
+            self.counts[0] += accepted.newton_iterations as u64;
+            self.counts[1] += accepted.linear_iterations as u64;
+            self.residual_norms.push(accepted.residual_norm);
+            let _phase = self.timers.enter(Phase::Output);
+            let row = history::row(self.case, model, &probes, *time, &accepted, self.comm);
+            let pushed = match &mut self.history {
+                Some(history) => history.push(row),
+                None => Ok(()),
+            };
+            self.comm.agree(pushed)?;
+            fault::strike(self.comm, "history")?;
+            if self.writes_fields(*time) {
+                let step = (number + 1, *time);
+                self.fields.write(self.comm, &mut self.publisher, self.case, model, step)?;
+            }
+            self.accepted = number + 1;
+            if let Some(history) = &self.history {
+                let instants = tables::instants(history.table(), &names);
+                let line = instants.last().map(|i| tables::instant_line(i, &names));
+                progress.pass(&line.unwrap_or_default());
+            }
+            if self.keeper.is_due(self.comm) {
+                self.write_checkpoint(model)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Collective.
+    fn write_checkpoint(&mut self, model: &Model<'_>) -> Result<()> {
+        let progress = Progress {
+            accepted: self.accepted,
+            counts: self.counts,
+            residual_norms: &self.residual_norms,
+            history: self.history.as_ref().map(History::table),
+            fields: &self.fields.written,
+        };
+        let (directory, publisher) = (self.directory.path(), &mut self.publisher);
+        self.keeper.write(self.comm, publisher, directory, (self.case, model), &progress)
+    }
+
+    fn writes_fields(&self, time: f64) -> bool {
+        match &self.case.output.fields {
+            Fields::All => true,
+            Fields::None => false,
+            Fields::Times(times) => times.contains(&time),
+        }
+    }
+
+    /// Compares with the expectations and writes the report, also when the solution failed.
+    /// Collective.
+    pub fn close(self, runtime: &Runtime, model: &Model<'_>, solved: Result<()>) -> Result<bool> {
+        let outcomes = if solved.is_ok() { self.outcomes() } else { Ok(Vec::new()) };
+        let outcomes = self.comm.agree(outcomes)?;
+        let met = !self.comm.any(outcomes.iter().any(|o| !o.met));
+        let status = match (&solved, met) {
+            (Err(Error::Stopped(_)), _) => Status::Stopped,
+            (Err(_), _) => Status::Failed,
+            (Ok(()), false) => Status::ExpectationMissed,
+            (Ok(()), true) => Status::Done,
+        };
+        let partition = partition_of(self.comm, model);
+        let timings = self.timers.slowest(self.comm);
+        let memory = memory::peak(self.comm);
+        let cells = self.comm.sum_u64(model.mesh.cells.len() as u64);
+        let names: Vec<String> = self.case.interfaces.iter().map(|i| i.name.clone()).collect();
+        for option in runtime.petsc.unused_options()? {
+            tracing::warn!("warning: the PETSc option {option} was not used");
+        }
+        let mut written = Ok(());
+        if let Some(history) = &self.history {
+            let report = Report {
+                status,
+                message: solved.as_ref().err().map(ToString::to_string),
+                title: self.case.title.clone(),
+                ranks: self.comm.size() as usize,
+                model: modelled(self.case),
+                cells,
+                unknowns: model.unknowns,
+                newton_iterations: self.counts[0],
+                linear_iterations: self.counts[1],
+                residual_norms: self.residual_norms.clone(),
+                instabilities: model.stepper.instabilities_in_words(),
+                bifurcations: model.stepper.bifurcations_in_words(),
+                linear_solver: LinearSolver {
+                    choice: model.choice.preset.into(),
+                    why: model.choice.why.clone(),
+                },
+                timings,
+                peak_memory_bytes: memory,
+                partition,
+                instants: tables::instants(history.table(), &names),
+                expectations: outcomes,
+                versions: versions(),
+                case: self.case.resolved(),
+            };
+            written = report.write(&self.directory.report());
+            screen::close(&report, self.directory.path());
+            screen::complain_of_missed(&report, self.directory.path());
+        }
+        self.comm.agree(written)?;
+        solved.map(|()| met).map_err(|error| self.with_place(error))
+    }
+
+    /// Adds to a failure of the numerics what of the results is valid.
+    fn with_place(&self, error: Error) -> Error {
+        let time = &self.case.time[..self.accepted];
+        let place = self.directory.path().display();
+        let valid = match time.last() {
+            None => "no instant was reached".to_owned(),
+            Some(last) => format!("the results up to time {last} are valid, in {place}"),
+        };
+        match error {
+            Error::Numerics(text) => Error::Numerics(format!("{text}\n{valid}")),
+            Error::Stopped(text) => Error::Stopped(format!(
+                "{text} after {} of {} instants; {valid}; go on with --restart latest",
+                self.accepted,
+                self.case.time.len()
+            )),
+            other => other,
+        }
+    }
+
+    /// The verdict on every expectation, on rank 0. Local.
+    fn outcomes(&self) -> Result<Vec<Outcome>> {
+        let Some(history) = &self.history else { return Ok(Vec::new()) };
+        let expect = self.case.expect.iter();
+        expect
+            .map(|e| evaluate(history.table(), &e.quantity, e.at, e.equals, e.relative, e.absolute))
+            .collect()
+    }
+}
+
+fn modelled(case: &Case) -> Modelled {
+    Modelled {
+        physics: case.physics.name().into(),
+        dimension: case.dim as u8,
+        elements: case.formulations(),
+        left_out: case
+            .left_out
+            .iter()
+            .map(|sentence| {
+                let (what, why) = sentence.split_once(": ").unwrap_or((sentence, ""));
+                LeftOut { what: what.into(), why: why.into() }
+            })
+            .collect(),
+    }
+}
+
+/// How cells and interface nodes are shared out. Collective.
+fn partition_of(comm: &Comm, model: &Model<'_>) -> Partition {
+    let (mesh, all) = (&model.mesh, &model.stepper.problem.all);
+    let column = &mesh.column;
+    let mut cut = 0;
+    for cell in &mesh.cells {
+        let place = column.cell_place(*cell);
+        for side in model.sides.iter().filter(|s| s.cell_is_secondary(column, place)) {
+            let facing = side.facing_cells(column, place);
+            let elsewhere = |c: &&u64| mesh.cells.binary_search(c).is_err();
+            cut += facing.iter().filter(elsewhere).count() as u64;
+        }
+    }
+    let gather = |n: usize| -> Vec<u64> {
+        comm.gather(&[n as u64]).map_or_else(Vec::new, |lists| lists.concat())
+    };
+    let held = all.nodes.len() - all.nodes.owned;
+    let ghosts = comm.sum_u64(held as u64);
+    Partition {
+        cells: gather(mesh.cells.len()),
+        interface_nodes: gather(all.owned_secondary()),
+        ghosts: gather(held),
+        neighbours: gather(all.nodes.neighbours()),
+        cut_pairs: comm.sum_u64(cut),
+        ghost_share: ghosts as f64 / all.nodes.total as f64,
+        cells_before_distribution: mesh.coarse_cells,
+    }
+}

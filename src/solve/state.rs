@@ -1,0 +1,154 @@
+//! The state of a run between two steps: what it takes to go on as if nothing had happened.
+
+use serde::{Deserialize, Serialize};
+
+use super::energy::Energy;
+use super::stepping::{Accepted, Stepper};
+use crate::comm::Rows;
+use crate::error::{Error, Result};
+
+/// Everything of an accepted state that is not a field.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StepState {
+    /// The time that was reached (s).
+    pub time: f64,
+    /// Length of the steps to begin with, where earlier ones had to be cut (s).
+    pub step: Option<f64>,
+    /// Energies: elastic, dissipated, external (J).
+    pub energy: [f64; 3],
+    /// 2-norm of the out-of-balance forces (N).
+    pub residual_norm: f64,
+    /// Largest nodal force scale (N) and displacement (m) of the accepted states.
+    pub scales: [f64; 2],
+    /// What all loads are scaled by, on a path.
+    pub load_factor: Option<f64>,
+    /// Whether smaller steps are tried where states are unstable.
+    pub tries_smaller_steps: bool,
+    /// Corrections, linear iterations and steps since the last instant.
+    pub since_instant: [usize; 3],
+    /// What was found about accepted states so far, in words.
+    pub instabilities: Vec<String>,
+    /// The states that are not unique, in words.
+    pub bifurcations: Vec<String>,
+}
+
+/// A state with its fields, this rank's own rows.
+pub struct State {
+    /// What is not a field.
+    pub step: StepState,
+    /// By node: displacement (m), then the force of supports and loads (N), by component.
+    pub nodal: Rows,
+    /// By secondary node: history (m), then energy dissipated per area (J/m2).
+    pub interface: Rows,
+}
+
+impl Stepper<'_> {
+    /// The accepted states that are not stable, those of earlier runs first. Local.
+    pub fn instabilities_in_words(&self) -> Vec<String> {
+        let found = self.instabilities.iter().map(|found| found.words(self.case));
+        self.earlier.instabilities.iter().cloned().chain(found).collect()
+    }
+
+    /// The accepted states that are not unique, those of earlier runs first. Local.
+    pub fn bifurcations_in_words(&self) -> Vec<String> {
+        let found = self.bifurcations.iter().map(|found| found.words(self.case));
+        self.earlier.bifurcations.iter().cloned().chain(found).collect()
+    }
+
+    /// Time of the last accepted state (s).
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// The last accepted state. Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn state(&self) -> Result<State> {
+        let (problem, all) = (&self.problem, &self.problem.all);
+        let dim = all.dim;
+        let names: Vec<u64> = all.nodes.names[..all.nodes.owned].to_vec();
+        let mut values = Vec::with_capacity(names.len() * 2 * dim);
+        let rows = self.work.displacement.chunks_exact(dim).zip(self.work.force.chunks_exact(dim));
+        for (displacement, force) in rows {
+            values.extend(displacement.iter().chain(force));
+        }
+        let nodal = Rows { width: 2 * dim, names, values };
+        let interfaces = &problem.interfaces;
+        let owned = &all.secondary[..all.owned_secondary()];
+        let mut rows: Vec<(u64, [f64; 2])> = owned
+            .iter()
+            .enumerate()
+            .map(|(index, rows)| {
+                let history = [interfaces.committed[index], interfaces.dissipated[index]];
+                (all.nodes.names[rows.node as usize], history)
+            })
+            .collect();
+        rows.sort_unstable_by_key(|row| row.0);
+        let interface = Rows {
+            width: 2,
+            names: rows.iter().map(|row| row.0).collect(),
+            values: rows.iter().flat_map(|row| row.1).collect(),
+        };
+        let Energy { elastic, dissipated, external } = self.energy;
+        let Accepted { newton_iterations, linear_iterations, steps, .. } = self.since_instant;
+        let step = StepState {
+            time: self.time,
+            step: self.step.is_finite().then_some(self.step),
+            energy: [elastic, dissipated, external],
+            residual_norm: problem.residual_norm,
+            scales: problem.convergence.accepted_scales(),
+            load_factor: problem.path.as_ref().map(|path| path.accepted_factor()),
+            tries_smaller_steps: self.tries_smaller_steps,
+            since_instant: [newton_iterations, linear_iterations, steps],
+            instabilities: self.instabilities_in_words(),
+            bifurcations: self.bifurcations_in_words(),
+        };
+        Ok(State { step, nodal, interface })
+    }
+
+    /// Goes on from a state: `nodal` and `interface` are its fields in slabs. Collective.
+    ///
+    /// # Errors
+    /// `Input` when a secondary node has no row; `System` when PETSc fails.
+    pub fn resume(&mut self, step: StepState, nodal: &Rows, interface: &Rows) -> Result<()> {
+        let problem = &mut self.problem;
+        let (comm, dim) = (problem.comm, problem.all.dim);
+        let total = problem.all.nodes.total;
+        let owned = problem.all.nodes.names[..problem.all.nodes.owned].to_vec();
+        let absent = || Error::Input("the checkpoint lacks a node of this mesh".into());
+        let rows = comm.from_slabs(total, nodal, &owned);
+        let rows: Option<Vec<Vec<f64>>> = rows.into_iter().collect();
+        let rows = comm.agree(rows.ok_or_else(absent))?;
+        self.work.displacement = rows.iter().flat_map(|row| &row[..dim]).copied().collect();
+        self.work.force = rows.iter().flat_map(|row| &row[dim..]).copied().collect();
+        let secondary: Vec<u64> = problem.all.secondary[..problem.all.owned_secondary()]
+            .iter()
+            .map(|rows| problem.all.nodes.names[rows.node as usize])
+            .collect();
+        let rows = comm.from_slabs(total, interface, &secondary);
+        let rows: Option<Vec<Vec<f64>>> = rows.into_iter().collect();
+        let rows = comm.agree(rows.ok_or_else(absent))?;
+        problem.interfaces.committed = rows.iter().map(|row| row[0]).collect();
+        problem.interfaces.dissipated = rows.iter().map(|row| row[1]).collect();
+        problem.convergence.resume(step.scales);
+        problem.residual_norm = step.residual_norm;
+        if let (Some(path), Some(factor)) = (&mut problem.path, step.load_factor) {
+            path.resume(factor);
+        }
+        self.x.write()?[..self.work.displacement.len()].copy_from_slice(&self.work.displacement);
+        let [elastic, dissipated, external] = step.energy;
+        self.energy = Energy { elastic, dissipated, external };
+        self.work.total = external;
+        self.time = step.time;
+        self.step = step.step.unwrap_or(f64::INFINITY);
+        self.tries_smaller_steps = step.tries_smaller_steps;
+        let [newton_iterations, linear_iterations, steps] = step.since_instant;
+        let counts =
+            Accepted { newton_iterations, linear_iterations, steps, ..Accepted::default() };
+        self.since_instant = counts;
+        self.earlier = step;
+        Ok(())
+    }
+}
