@@ -6,6 +6,7 @@ mod common;
 mod branches;
 mod energy;
 mod fluid;
+mod kills;
 mod locking;
 mod lorentz;
 mod manufactured;

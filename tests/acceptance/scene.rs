@@ -9,7 +9,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_column-hpc");
+/// The program.
+pub const PROGRAM: &str = env!("CARGO_BIN_EXE_column-hpc");
 
 /// A launch alone takes seconds; beside other work on the machine it may wait for a core.
 const LIMIT: Duration = Duration::from_secs(120);
@@ -113,13 +114,19 @@ impl Scene {
     /// Starts the scene with a fault (or none, if empty), its results in `directory`.
     pub fn launch(&self, ranks: usize, directory: &Path, fault: &str, more: &[&str]) -> Output {
         let mut args: Vec<String> = vec![format!("COLUMN_HPC_FAULT={fault}"), PROGRAM.into()];
-        args.extend([self.case.to_string_lossy().into_owned()]);
-        args.extend(["--output".into(), directory.to_string_lossy().into_owned()]);
-        args.extend(self.sets.iter().flat_map(|s| ["--set".to_string(), s.clone()]));
+        args.extend(self.words(directory));
         args.extend(more.iter().map(|word| (*word).to_owned()));
         let args: Vec<&str> = args.iter().map(String::as_str).collect();
         let _turn = Turn::wait();
         mpirun_within(LIMIT, ranks, "env", &args)
+    }
+
+    /// The words of the command line, for results in `directory`.
+    pub fn words(&self, directory: &Path) -> Vec<String> {
+        let mut words = vec![self.case.to_string_lossy().into_owned()];
+        words.extend(["--output".into(), directory.to_string_lossy().into_owned()]);
+        words.extend(self.sets.iter().flat_map(|s| ["--set".to_string(), s.clone()]));
+        words
     }
 
     /// What a run left in a directory.
