@@ -33,6 +33,7 @@ step tests cargo test --release --no-fail-fast
 if [ -x scripts/check_fields.sh ]; then
     step fields scripts/check_fields.sh
 fi
+step slurm scripts/slurm/self_test.sh
 step plot python3 scripts/plot_history.py --self-test
 
 printf '\n'

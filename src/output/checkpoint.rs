@@ -55,6 +55,8 @@ pub fn write(
     state: &Checkpoint<'_>,
 ) -> Result<()> {
     let [path, previous] = [NEWEST, PREVIOUS].map(|name| directory.join(name));
+    // The temporary file of an earlier one bears the same name until it is published.
+    comm.agree(publisher.finish())?;
     let nodal = comm.to_slabs(nodes, state.nodal);
     let interface = comm.to_slabs(nodes, state.interface);
     let checksums = [

@@ -1,0 +1,96 @@
+#!/usr/bin/env bash
+# Runs the batch scripts here, with mpirun and signals in the place of the scheduler: srun, scancel and scontrol
+# are stand-ins that do with processes what SLURM does with jobs. COLUMN_HPC names the program; without it the release
+# build is taken.
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+cd "$root"
+# shellcheck source=scripts/mpi_env.sh
+. scripts/mpi_env.sh
+export COLUMN_HPC=${COLUMN_HPC:-${CARGO_TARGET_DIR:-$root/target}/release/column-hpc}
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+mkdir "$scratch/bin"
+cat >"$scratch/bin/srun" <<'STUB'
+#!/usr/bin/env bash
+if [ "$1" = --mpi=list ]; then echo pmix; exit 0; fi
+while [[ $1 == --* ]]; do shift; done
+mpirun -n "$SLURM_NTASKS" --quiet "$@" &
+echo $! >"$STATE/step"
+wait $!
+STUB
+cat >"$scratch/bin/scancel" <<'STUB'
+#!/usr/bin/env bash
+kill "-${1#--signal=}" "$(cat "$STATE/step")"
+STUB
+cat >"$scratch/bin/scontrol" <<'STUB'
+#!/usr/bin/env bash
+echo "$@" >>"$STATE/requeued"
+STUB
+chmod +x "$scratch"/bin/*
+export PATH="$scratch/bin:$PATH" STATE="$scratch" SLURM_SUBMIT_DIR="$root" SLURM_NTASKS=2 SLURM_JOB_ID=42
+unset SLURM_JOB_NUM_NODES
+
+fail() {
+    printf 'slurm: FAILED: %s\n' "$1" >&2
+    cat "$scratch"/log >&2 || true
+    exit 1
+}
+# A run of some seconds, so that signals meet it on its way.
+case_file=cases/wtnv146/case.yaml
+long=(--set "mesh.column.cells=[8, 8, 40]" --set "time.instants=[$(seq -s, 0.05 0.05 8)]" --set "expect=[]")
+column() { cut -d, -f1,5-9 "$1/history.csv"; }
+
+# shellcheck disable=SC2086
+bash scripts/slurm/run.sbatch $case_file "${long[@]}" --output "$scratch/whole" --quiet >"$scratch/log" 2>&1 ||
+    fail "run.sbatch ended with status $?"
+
+for LAUNCHER in "" "mpirun -n 2 --quiet"; do
+    export LAUNCHER
+    out="$scratch/requeued_by_${LAUNCHER:0:6}"
+    rm -f "$scratch/requeued"
+    rounds=0
+    while :; do
+        rounds=$((rounds + 1))
+        bash scripts/slurm/requeue.sbatch $case_file "$out" "${long[@]}" --quiet >"$scratch/log" 2>&1 &
+        job=$!
+        # The first two jobs run out of time on their way.
+        if [ "$rounds" -le 2 ]; then
+            sleep 1
+            kill -USR2 "$job"
+        fi
+        status=0
+        wait "$job" || status=$?
+        [ "$status" -eq 75 ] || break
+        [ "$rounds" -lt 20 ] || fail "the job never ended"
+    done
+    [ "$status" -eq 0 ] || fail "requeue.sbatch ended with status $status after $rounds jobs"
+    [ "$rounds" -ge 2 ] || fail "no signal met the run"
+    [ "$(wc -l <"$scratch/requeued")" -eq $((rounds - 1)) ] || fail "$rounds jobs, requeued $(wc -l <"$scratch/requeued") times"
+    python3 - "$scratch/whole/history.csv" "$out/history.csv" <<'PYTHON' || fail "the histories differ"
+import csv, sys
+whole, parts = (list(csv.reader(open(name))) for name in sys.argv[1:])
+assert whole[0] == parts[0] and len(whole) == len(parts), (len(whole), len(parts))
+for index, name in enumerate(whole[0]):
+    if name.endswith("_iterations"):
+        continue
+    a, b = ([float(row[index]) for row in table[1:]] for table in (whole, parts))
+    kind = next(word for word in ("time", "traction", "jump", "sliding", "damage", "reaction", "energy", "factor", "displacement") if word in name)
+    scale = max(abs(float(row[i])) for row in whole[1:] for i, other in enumerate(whole[0]) if kind in other)
+    worst = max(abs(x - y) for x, y in zip(a, b))
+    assert worst <= 1e-9 * scale, (name, worst, scale)
+PYTHON
+    printf 'slurm: %s: stopped %s times and went on to the end\n' "${LAUNCHER:-srun}" $((rounds - 1))
+done
+
+export LAUNCHER="mpirun -n 2 --quiet"
+printf '%s --output %s/one --quiet\n%s --set mesh.column.cells=[1,1,5] --output %s/two --quiet\n' \
+    $case_file "$scratch" $case_file "$scratch" >"$scratch/list"
+for task in 1 2; do
+    SLURM_ARRAY_TASK_ID=$task bash scripts/slurm/array.sbatch "$scratch/list" >"$scratch/log" 2>&1 ||
+        fail "task $task of array.sbatch ended with status $?"
+done
+[ -s "$scratch/one/history.csv" ] && [ -s "$scratch/two/history.csv" ] || fail "a task wrote nothing"
+SLURM_ARRAY_TASK_ID=3 bash scripts/slurm/array.sbatch "$scratch/list" >"$scratch/log" 2>&1 && fail "there is no third line"
+printf 'slurm: an array of two cases\n'
