@@ -19,4 +19,5 @@ mod scene;
 mod shipped;
 mod stability;
 mod steps;
+mod suite;
 mod units;
