@@ -34,6 +34,7 @@ if [ -x scripts/check_fields.sh ]; then
     step fields scripts/check_fields.sh
 fi
 step plot python3 scripts/plot_history.py --self-test
+step stability scripts/stability.sh self-test
 
 printf '\n'
 if [ ${#failed[@]} -gt 0 ]; then
