@@ -35,6 +35,7 @@ if [ -x scripts/check_fields.sh ]; then
 fi
 step slurm scripts/slurm/self_test.sh
 step plot python3 scripts/plot_history.py --self-test
+step stability scripts/stability.sh self-test
 
 printf '\n'
 if [ ${#failed[@]} -gt 0 ]; then

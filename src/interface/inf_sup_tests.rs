@@ -2,7 +2,9 @@
 //! Struct. 47, 1993): the square root of the least eigenvalue of B K^-1 B^T over h/E W, with W the
 //! weights of the multipliers. Stable pairs keep it under refinement.
 
-use nalgebra::{DMatrix, SymmetricEigen};
+#![allow(clippy::print_stdout)] // the constants, with --nocapture
+
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use std::path::Path;
 
 use super::Sides;
@@ -95,6 +97,8 @@ impl Numbers {
 enum Multipliers {
     /// Ours.
     Dual,
+    /// Ours, but also where displacements of the interface's edge are prescribed.
+    DualOnPrescribed,
     /// One constant on each secondary facet, whose twin has the same nodes.
     ConstantOnFacets,
 }
@@ -109,6 +113,17 @@ fn inf_sup(
     supports: &str,
     multipliers: Multipliers,
 ) -> f64 {
+    eigenvalues(dim, bodies, secondary, supports, multipliers).min().max(0.0).sqrt()
+}
+
+/// The squares of the singular values of the jump.
+fn eigenvalues(
+    dim: usize,
+    bodies: Bodies,
+    secondary: &str,
+    supports: &str,
+    multipliers: Multipliers,
+) -> DVector<f64> {
     let case = case(dim, bodies, secondary, supports);
     let column = Column::new(&case).expect("a column");
     let mesh = LocalMesh::new(&column, (0..column.cells()).collect(), column.cells());
@@ -117,8 +132,12 @@ fn inf_sup(
     let (k, numbers) = stiffness(&case, &mesh, &prescribed);
     let mut rows: Vec<Row> = Vec::new();
     match multipliers {
-        Multipliers::Dual => {
-            let terms = integrate(&mesh, &sides, &prescribed).expect("sides that cover each other");
+        Multipliers::Dual | Multipliers::DualOnPrescribed => {
+            let free = self::case(dim, bodies, secondary, "bottom top");
+            let free = Prescribed::new(&free, &column);
+            let kept = multipliers == Multipliers::DualOnPrescribed;
+            let without = if kept { &free } else { &prescribed };
+            let terms = integrate(&mesh, &sides, without).expect("sides that cover each other");
             let nodes: Vec<(u64, usize)> = mesh
                 .nodes
                 .iter()
@@ -162,7 +181,7 @@ fn inf_sup(
     }
     let cholesky = k.cholesky().expect("bodies that are held");
     let energy = b.transpose() * cholesky.solve(&b);
-    SymmetricEigen::new(energy).eigenvalues.min().max(0.0).sqrt()
+    SymmetricEigen::new(energy).eigenvalues
 }
 
 /// The constants over levels of refinement.
@@ -181,6 +200,7 @@ fn levels(
 /// It falls by less than a part in twenty from the first level on that is not all boundary.
 fn assert_stable(label: &str, constants: &[f64]) {
     let (first, last) = (constants[1], constants[constants.len() - 1]);
+    println!("inf-sup {label}: {constants:?}");
     assert!(last > 0.95 * first && last > 0.1, "{label}: {constants:?}");
 }
 
@@ -233,5 +253,24 @@ fn constants_on_facets_lose_stability() {
         "bottom top",
         Multipliers::ConstantOnFacets,
     );
+    println!("inf-sup constants on facets: {constants:?}");
     assert!(constants[3] < 0.6 * constants[1], "{constants:?}");
+}
+
+/// Where an edge is prescribed, multipliers there are singular values that vanish: one for each
+/// node and component of the edge.
+#[test]
+fn multipliers_on_a_prescribed_edge_are_null() {
+    for (dim, bodies, edge) in
+        [(2, [(4, 1), (4, 1)], 2), (2, [(4, 1), (6, 1)], 2), (3, [(3, 1); 2], 12)]
+    {
+        let null = |multipliers| {
+            let all = eigenvalues(dim, bodies, "upper", "bottom top left", multipliers);
+            let largest = all.max();
+            all.iter().filter(|e| **e < 1e-10 * largest).count()
+        };
+        let (kept, dropped) = (null(Multipliers::DualOnPrescribed), null(Multipliers::Dual));
+        println!("null {dim}D, {bodies:?}: {kept} kept, {dropped} dropped");
+        assert_eq!([kept, dropped], [edge, 0], "{dim}D, {bodies:?}");
+    }
 }

@@ -57,13 +57,6 @@ fn imperfection(interface: &str, factor: &str) -> String {
     format!("initial={{imperfection: [{{interface: {interface}, factor: {factor}}}]}}")
 }
 
-/// The sentences of a list of the report.
-fn told(run: &Run, list: &str) -> Vec<String> {
-    let list = run.report[list].as_array();
-    let text = |value: &serde_json::Value| value.as_str().expect("a sentence").to_owned();
-    list.map_or_else(Vec::new, |list| list.iter().map(text).collect())
-}
-
 fn assert_near(run: &Run, name: &str, exact: &[f64], scale: f64) {
     let found = run.column(name);
     assert_eq!(found.len(), exact.len(), "{}: {name}", run.label);
@@ -91,12 +84,12 @@ fn assert_one_opens(run: &Run, opens: &str, whole: &str, factor: f64) {
     }
     assert_near(run, "energy.dissipated", &energy, ENERGY);
     assert_eq!(run.column(&format!("{whole}.damage.max")), [0.0; 3], "{}", run.label);
-    assert!(told(run, "instabilities").is_empty(), "{}", run.label);
+    assert!(run.told("instabilities").is_empty(), "{}", run.label);
 }
 
 /// The only bifurcation that a run tells, on the screen too.
 fn the_bifurcation(run: &Run) -> String {
-    let mut list = told(run, "bifurcations");
+    let mut list = run.told("bifurcations");
     assert_eq!(list.len(), 1, "{}: {list:?}", run.label);
     assert!(run.screen.contains(&format!("warning: {}", list[0])), "{}", run.label);
     assert!(list[0].contains("is not unique"), "{}: {list:?}", run.label);
@@ -139,7 +132,7 @@ fn the_weaker_of_two_interfaces_needs_no_choice() {
     assert!(run.column("upper.damage.min")[0] > 0.5);
     assert_eq!(run.column("lower.damage.max"), [0.0]);
     for run in [run, path] {
-        assert!(told(&run, "bifurcations").is_empty() && told(&run, "instabilities").is_empty());
+        assert!(run.told("bifurcations").is_empty() && run.told("instabilities").is_empty());
     }
 }
 
@@ -184,7 +177,7 @@ fn a_column_that_is_too_tall_is_followed_to_one_side() {
         let words = the_bifurcation(&tilted);
         assert!(words.contains("tilting of interface joint"), "{words}");
         assert!(words.contains("its mirror image"), "{words}");
-        assert!(told(&tilted, "instabilities").is_empty());
+        assert!(tilted.told("instabilities").is_empty());
         let [after, before] = energies(&words);
         assert!((before - potential_energy(&even)).abs() <= 1e-8 * before, "{words}");
         assert!((after - potential_energy(&tilted)).abs() <= 1e-8 * before, "{words}");
@@ -210,7 +203,7 @@ fn a_branch_is_kept_from_instant_to_instant() {
     let scene = column(32).set(FOLLOW);
     let path = scene.set("time.instants=[0.9, 0.994, 0.995, 0.997, 1]").on(2);
     assert!(the_bifurcation(&path).contains("at time 0.994"), "{}", path.label);
-    assert!(told(&path, "instabilities").is_empty());
+    assert!(path.told("instabilities").is_empty());
     let kept = traction(&path);
     assert!(kept[1] < STRENGTH && kept[1..].windows(2).all(|pair| pair[1] < pair[0]), "{kept:?}");
     let far = traction(&scene.on(1))[0];
@@ -233,7 +226,7 @@ fn an_imperfection_selects_the_side_that_tilts() {
             assert!(error <= size * perfect, "{}: {error}", followed.label);
             // The peak is at 0.994; steps are halved ten times between instants.
             let path = scene.set("time.instants=[0.99, 1]").in_any_steps().on(1);
-            assert!(told(&path, "instabilities").is_empty(), "{}", path.label);
+            assert!(path.told("instabilities").is_empty(), "{}", path.label);
             for name in ["joint.normal_traction.mean", "joint.normal_jump.max", "energy.elastic"] {
                 let (one, other) = (path.column(name)[1], followed.column(name)[0]);
                 assert!((one - other).abs() <= 1e-8 * one.abs(), "{name}: {one} {other}");

@@ -21,4 +21,5 @@ mod scene;
 mod shipped;
 mod stability;
 mod steps;
+mod suite;
 mod units;

@@ -65,6 +65,12 @@ pub struct Run {
     pub screen: String,
 }
 
+/// What a run that did not end well left behind.
+pub struct Failure {
+    pub status: Option<i32>,
+    pub complaint: String,
+}
+
 /// A directory for one file or one run, of this process alone.
 pub fn fresh() -> PathBuf {
     static NEXT: AtomicUsize = AtomicUsize::new(0);
@@ -139,6 +145,17 @@ impl Scene {
 
     /// Runs the scene; it has to end well, every instant in one step unless more are allowed.
     pub fn on(&self, ranks: usize) -> Run {
+        let run = match self.attempt(ranks) {
+            Ok(run) => run,
+            Err(failure) => panic!("status {:?}: {}", failure.status, failure.complaint),
+        };
+        let cut = run.screen.contains("halved");
+        assert!(self.may_cut || !cut, "{}: a step was cut\n{}", run.label, run.screen);
+        run
+    }
+
+    /// Runs the scene, which may fail.
+    pub fn attempt(&self, ranks: usize) -> Result<Run, Failure> {
         let directory = fresh();
         let name = self.case.file_stem().map(|s| s.to_string_lossy()).unwrap_or_default();
         let folder = self.case.parent().and_then(Path::file_name).unwrap_or_default();
@@ -164,13 +181,15 @@ impl Scene {
             mpirun_within(LIMIT, ranks, program, &args)
         };
         let screen = String::from_utf8_lossy(&output.stdout).into_owned();
-        let complaint = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(0), "{label}\n{screen}\n{complaint}");
-        assert!(self.may_cut || !screen.contains("halved"), "{label}: a step was cut\n{screen}");
+        if output.status.code() != Some(0) {
+            let complaint = String::from_utf8_lossy(&output.stderr);
+            let complaint = format!("{label}\n{screen}\n{complaint}");
+            return Err(Failure { status: output.status.code(), complaint });
+        }
         let table = Table::read(&directory.join("history.csv")).expect("a complete history");
         let report = fs::read_to_string(directory.join("report.json")).expect("a report");
         let report = serde_json::from_str(&report).expect("valid JSON");
-        Run { label, directory, table, report, screen }
+        Ok(Run { label, directory, table, report, screen })
     }
 }
 
@@ -181,6 +200,13 @@ impl Run {
         let value =
             |row: &Vec<Option<f64>>| row[index].unwrap_or_else(|| panic!("{name} is empty"));
         self.table.rows.iter().map(value).collect()
+    }
+
+    /// The sentences of a list of the report.
+    pub fn told(&self, list: &str) -> Vec<String> {
+        let list = self.report[list].as_array();
+        let text = |value: &serde_json::Value| value.as_str().expect("a sentence").to_owned();
+        list.map_or_else(Vec::new, |list| list.iter().map(text).collect())
     }
 
     /// Corrections of every instant.
@@ -259,6 +285,21 @@ impl Run {
     /// As [`Self::assert_same_in_units`], in the same units.
     pub fn assert_same(&self, other: &Run, tolerance: f64) {
         self.assert_same_in_units(other, tolerance, |_| 1.0);
+    }
+
+    /// The largest difference of any value, relative to the largest of its kind.
+    pub fn difference(&self, other: &Run) -> f64 {
+        let mut worst = 0.0_f64;
+        for (index, name) in self.table.columns.iter().enumerate() {
+            let Some(kind) = Kind::of(name) else { continue };
+            let largest = self.largest(kind).max(f64::MIN_POSITIVE);
+            for (mine, others) in self.table.rows.iter().zip(&other.table.rows) {
+                if let (Some(mine), Some(others)) = (mine[index], others[index]) {
+                    worst = worst.max((others - mine).abs() / largest);
+                }
+            }
+        }
+        worst
     }
 
     fn largest(&self, kind: Kind) -> f64 {
