@@ -3,11 +3,13 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use super::resources::disk;
 use crate::bulk::Loads;
 use crate::case::{self, Case, read_text};
 use crate::error::{Error, Result};
 use crate::interface::Sides;
 use crate::mesh::{Column, LocalMesh};
+use crate::solve::memory::memory;
 use crate::solve::{LinearChoice, strength_factors};
 use crate::space::{AtNode, Prescribed};
 
@@ -43,7 +45,7 @@ pub fn check(path: &Path, overrides: &[String]) -> Result<String> {
         });
         strength_factors(&case, &column, secondary).map_err(|AtNode(_, error)| error)?;
     }
-    let bytes = unknowns as f64 * choice.bytes_per_unknown();
+    let bytes = memory(choice.preset, &column, 1);
     let mut text = format!("{}\n", case.title);
     let mut line = |name: &str, what: String| {
         writeln!(text, "{name:<10} {what}").map_err(|e| Error::Bug(format!("check: {e}")))
@@ -63,7 +65,8 @@ pub fn check(path: &Path, overrides: &[String]) -> Result<String> {
         )?;
     }
     line("linear", format!("{}: {}", choice.preset, choice.why))?;
-    line("memory", format!("about {:.2} GB in all", bytes / 1e9))?;
+    line("memory", format!("about {:.2} GB on one rank", bytes / 1e9))?;
+    line("disk", format!("about {:.3} GB", disk(&case, &column) / 1e9))?;
     line("instants", format!("{}", case.time.len()))?;
     line("output", format!("{}", case.output.directory.display()))?;
     text.push_str("the case is right\n");

@@ -5,6 +5,7 @@ mod checkpoint;
 mod fields;
 mod history;
 mod probes;
+mod resources;
 mod screen;
 mod session;
 
@@ -106,7 +107,7 @@ fn run_case(runtime: &Runtime, timers: &Timers, options: &RunOptions) -> Result<
         }
     };
 
-    let mut model = build(runtime, timers, &case)?;
+    let mut model = build(runtime, timers, &case, directory)?;
     let state = restart.map(|restart| restart.resume(comm, &mut model)).transpose()?;
     let directory = match &state {
         Some(state) => {
@@ -127,7 +128,12 @@ fn read_case(comm: &Comm, path: &Path, overrides: &[String]) -> Result<Case> {
     comm.agree(Case::read(&String::from_utf8_lossy(&text), path, overrides))
 }
 
-fn build<'a>(runtime: &'a Runtime, timers: &'a Timers, case: &'a Case) -> Result<Model<'a>> {
+fn build<'a>(
+    runtime: &'a Runtime,
+    timers: &'a Timers,
+    case: &'a Case,
+    directory: &Path,
+) -> Result<Model<'a>> {
     let comm = &runtime.comm;
     let column = {
         let _phase = timers.enter(Phase::Mesh);
@@ -143,6 +149,7 @@ fn build<'a>(runtime: &'a Runtime, timers: &'a Timers, case: &'a Case) -> Result
             choice = choice.without_levels();
         }
     }
+    resources::check(comm, case, &columns[columns.len() - 1], &choice, directory)?;
     let (cells, before) = {
         let _phase = timers.enter(Phase::Partition);
         partition::distribute(comm, &columns[0], Method::from_environment())?

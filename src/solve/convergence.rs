@@ -15,7 +15,7 @@ use std::time::Duration;
 const LONGEST_CYCLE: usize = 4;
 
 /// After so many cycles of the branches in one solve a smaller step is cheaper.
-const MOST_CYCLES: i32 = 1;
+const MOST_CYCLES: i32 = 3;
 
 /// The largest of some nodal values, and where it is.
 #[derive(Debug, Clone, Copy, Default)]

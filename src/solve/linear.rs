@@ -109,15 +109,6 @@ impl LinearChoice {
         Self::named("mumps", why)
     }
 
-    /// Memory per unknown, about (bytes): measured on columns of 10^5 unknowns.
-    pub fn bytes_per_unknown(&self) -> f64 {
-        match self.preset {
-            "mumps" => 1.1e4,
-            MULTIGRID => 9e2,
-            _ => 3.0e3,
-        }
-    }
-
     fn named(preset: &'static str, why: String) -> Self {
         let options = PRESETS.iter().find(|(name, _)| *name == preset).map(|(_, o)| o.to_vec());
         Self { preset, why, options: options.unwrap_or_default() }

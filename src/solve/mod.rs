@@ -7,6 +7,7 @@ mod energy;
 mod imperfection;
 mod interfaces;
 mod linear;
+pub mod memory;
 mod path;
 mod problem;
 mod recycle;

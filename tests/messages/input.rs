@@ -198,6 +198,24 @@ fn a_mesh_too_large_is_refused_before_memory_is_asked_for() {
     assert_eq!(output.status.code(), Some(2));
 }
 
+/// 816 million unknowns fit into 32 bits, but their factors into no memory.
+#[test]
+fn a_run_that_cannot_fit_is_refused_with_what_would() {
+    let folder = Folder::new();
+    let large = ["mesh.column.cells=[400, 400, 1700]", "solver.linear=mumps"];
+    let mut words = vec!["case.yaml", "--output", "out"];
+    words.extend(large.iter().flat_map(|s| ["--set", s]));
+    for ranks in [1, 2] {
+        let answer = folder.run(ranks, &words);
+        assert_eq!(answer.status, Some(2), "{answer:?}");
+        let text = &answer.stderr;
+        let begin = "error: solver.linear: mumps needs about ";
+        assert!(text.starts_with(begin) && text.lines().count() == 1, "{text}");
+        assert!(text.contains(&format!(" of {ranks} ranks, and ")), "{text}");
+        assert!(text.contains("it would fit on") || text.contains("take a coarser mesh"), "{text}");
+    }
+}
+
 #[test]
 fn a_wrong_command_line_is_told_once() {
     let folder = Folder::new();

@@ -1,0 +1,129 @@
+//! Whether the machine has the memory and the disk space that a run will need, before it starts.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use crate::case::{Case, Fields};
+use crate::comm::Comm;
+use crate::error::{Error, Result};
+use crate::mesh::Column;
+use crate::solve::memory::memory;
+use crate::solve::{LinearChoice, MULTIGRID};
+
+/// Part of the memory that is available that a run may take.
+const USABLE: f64 = 0.95;
+
+/// Refuses a run that cannot fit into the memory of the nodes or onto the disk of `directory`.
+/// Collective.
+///
+/// # Errors
+/// `Input` with what is needed, what is there and what would fit.
+pub fn check(
+    comm: &Comm,
+    case: &Case,
+    column: &Column,
+    choice: &LinearChoice,
+    directory: &Path,
+) -> Result<()> {
+    let ranks = comm.size() as usize;
+    let need = memory(choice.preset, column, ranks) / ranks as f64;
+    let mine = rustix::system::uname().nodename().to_string_lossy().into_owned();
+    let names = comm.exchange(&vec![mine.clone().into_bytes(); ranks]);
+    let mut nodes: BTreeMap<&[u8], usize> = BTreeMap::new();
+    for name in &names {
+        *nodes.entry(name).or_default() += 1;
+    }
+    let here = nodes.get(mine.as_bytes()).copied().unwrap_or(1);
+    let local = match available() {
+        Some(bytes) if need * here as f64 > USABLE * bytes => {
+            Err(Error::Input(too_large(column, choice, (ranks, here), bytes)))
+        }
+        _ => Ok(()),
+    };
+    comm.agree(local)?;
+    let free = if comm.is_root() { free(directory) } else { None };
+    let needed = disk(case, column);
+    comm.agree(match free {
+        Some(bytes) if needed > bytes => Err(Error::Input(format!(
+            "the results need about {}, {} has {}: give fewer instants to output.fields, or another \
+             directory with --output",
+            size(needed),
+            directory.display(),
+            size(bytes)
+        ))),
+        _ => Ok(()),
+    })
+}
+
+/// What is wrong and what would fit, in words.
+fn too_large(
+    column: &Column,
+    choice: &LinearChoice,
+    (ranks, here): (usize, usize),
+    available: f64,
+) -> String {
+    let preset = choice.preset;
+    let need = memory(preset, column, ranks) * here as f64 / ranks as f64;
+    let mut text = format!(
+        "solver.linear: {preset} needs about {} on a node with {here} of {ranks} ranks, and {} are \
+         available there",
+        size(need),
+        size(available)
+    );
+    // More nodes of this kind, each with as many ranks as this one.
+    let fits =
+        |nodes: usize| memory(preset, column, nodes * here) / nodes as f64 <= USABLE * available;
+    let nodes = (2..=4096).find(|nodes| fits(*nodes));
+    if let Some(nodes) = nodes {
+        text += &format!("; it would fit on {nodes} such nodes, {} ranks in all", nodes * here);
+    }
+    let lighter = memory(MULTIGRID, column, ranks) * here as f64 / ranks as f64;
+    if preset != MULTIGRID && lighter <= USABLE * available {
+        text += &format!("; solver.linear: {MULTIGRID} would need about {}", size(lighter));
+    }
+    if nodes.is_none() {
+        text += "; take a coarser mesh";
+    }
+    text
+}
+
+/// Bytes of the field files, the checkpoints and the history, about.
+pub fn disk(case: &Case, column: &Column) -> f64 {
+    let instants = match &case.output.fields {
+        Fields::All => case.time.len(),
+        Fields::None => 0,
+        Fields::Times(times) => times.len(),
+    };
+    let (nodes, cells) = (column.nodes() as f64, column.cells() as f64);
+    let per_cell = (0..column.bodies()).map(|b| column.shape(b).nodes()).max().unwrap_or(8) as f64;
+    // Position and name; connectivity, offset, type, name, material, rank.
+    let grid = if instants > 0 { nodes * 32.0 + cells * (8.0 * per_cell + 25.0) } else { 0.0 };
+    let data = nodes * 24.0 + cells * 48.0;
+    let checkpoints = 2.0 * nodes * 16.0 * column.dim as f64;
+    let history = (case.time.len() * case.columns().len()) as f64 * 25.0;
+    grid + instants as f64 * data + checkpoints + history
+}
+
+/// Memory that is free on this node, or that a control group leaves this process (bytes).
+fn available() -> Option<f64> {
+    let text = fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    let kibibytes: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    let number = |name: &str| -> Option<f64> {
+        fs::read_to_string(Path::new("/sys/fs/cgroup").join(name)).ok()?.trim().parse().ok()
+    };
+    let group = number("memory.max").map(|most| most - number("memory.current").unwrap_or(0.0));
+    Some((1024.0 * kibibytes).min(group.unwrap_or(f64::INFINITY)))
+}
+
+/// Free space of the file system that will hold a directory (bytes).
+fn free(directory: &Path) -> Option<f64> {
+    let there = directory.ancestors().find(|path| path.is_dir()).unwrap_or(Path::new("."));
+    let system = rustix::fs::statvfs(there).ok()?;
+    Some(system.f_bavail as f64 * system.f_frsize as f64)
+}
+
+fn size(bytes: f64) -> String {
+    if bytes < 1e9 { format!("{:.0} MB", bytes / 1e6) } else { format!("{:.1} GB", bytes / 1e9) }
+}
