@@ -116,7 +116,7 @@ Errors are relative where no unit is given; E is Young's modulus, h in E/h the h
 ## 1. Penalty or exact adherence
 
 `adherence.yaml`. An interface with a stiffness (law `bilinear`, what most codes have) opens by traction/stiffness where nothing should open, and the
-algebra pays for making that small: gamg's iterations grow, and and at 1e8 E/h round-off keeps even elimination from the tolerance. hypre and
+algebra pays for making that small: gamg's iterations grow, and at 1e8 E/h round-off keeps even elimination from the tolerance. hypre and
 multigrid hardly feel the stiffness. Exact adherence opens by nothing, and no stiffness costs a solver less.
 
 ![Opening and iterations over the stiffness](stability_penalty.svg)

@@ -1,7 +1,7 @@
 //! Runs that are stopped and go on, on another number of ranks, as if nothing had happened.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Output;
 
 use crate::scene::{Scene, fresh};
@@ -73,12 +73,22 @@ fn goes_on(scene: &Scene, ranks: usize, directory: &Path, unbroken: &Path, label
     assert_eq!(count("residual_norms"), Some(broken.table.rows.len()), "{label}");
 }
 
-/// Stops with `fault` on some ranks, goes on with others.
-fn stops_and_goes_on(scene: &Scene, fault: &str, expected: i32) {
-    let unbroken = fresh();
-    let output = scene.launch(1, &unbroken, "", &["--overwrite"]);
+/// A scene with the results of its unbroken run.
+fn unbroken(scene: Scene) -> (Scene, PathBuf) {
+    let directory = fresh();
+    let output = scene.launch(1, &directory, "", &["--overwrite"]);
     assert_eq!(status(&output), Some(0), "{}", complaint(&output));
-    for (before, after) in RANKS {
+    (scene, directory)
+}
+
+/// Stops with `fault` on some ranks, goes on with others.
+fn stops_and_goes_on(
+    (scene, unbroken): &(Scene, PathBuf),
+    pairs: &[(usize, usize)],
+    fault: &str,
+    expected: i32,
+) {
+    for &(before, after) in pairs {
         let directory = fresh();
         let fault = fault.replace("LAST", &(before - 1).to_string());
         let output = scene.launch(before, &directory, &fault, &["--overwrite"]);
@@ -89,47 +99,73 @@ fn stops_and_goes_on(scene: &Scene, fault: &str, expected: i32) {
             assert!(text.starts_with("stopped by the signal "), "{label}: {text}");
             assert!(text.ends_with("go on with --restart latest\n"), "{label}: {text}");
         }
-        goes_on(scene, after, &directory, &unbroken, &label);
+        goes_on(scene, after, &directory, unbroken, &label);
     }
+}
+
+/// Stops a scene at each of so many instants; `pairs` gives the ranks for the number of an instant.
+fn stopped_at_every_instant(
+    scene: Scene,
+    count: usize,
+    pairs: impl Fn(usize) -> Vec<(usize, usize)>,
+) {
+    let scene = unbroken(scene);
+    for instant in 1..=count {
+        let signal = ["term", "usr2", "int"][instant % 3];
+        let fault = format!("history:LAST:{signal}:{instant}");
+        stops_and_goes_on(&scene, &pairs(instant), &fault, 75);
+    }
+}
+
+/// One pair after the other.
+fn in_turn(number: usize) -> Vec<(usize, usize)> {
+    vec![RANKS[number % RANKS.len()]]
 }
 
 #[test]
 fn the_reference_stopped_at_every_instant() {
-    for instant in 1..=7 {
-        let signal = ["term", "usr2", "int"][instant % 3];
-        stops_and_goes_on(&reference(), &format!("history:LAST:{signal}:{instant}"), 75);
-    }
+    stopped_at_every_instant(reference(), 7, in_turn);
 }
 
 #[test]
 fn the_tilting_column_stopped_at_every_instant() {
-    for instant in 1..=5 {
-        stops_and_goes_on(&tilting(), &format!("history:LAST:term:{instant}"), 75);
-    }
+    stopped_at_every_instant(tilting(), 5, in_turn);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn stopped_at_every_instant_on_every_pair_of_ranks() {
+    stopped_at_every_instant(reference(), 7, |_| RANKS.to_vec());
+    stopped_at_every_instant(tilting(), 5, |_| RANKS.to_vec());
+    stopped_at_every_instant(path(), 5, |_| RANKS.to_vec());
 }
 
 /// In the middle of Newton's method: the step is abandoned and made again.
 #[test]
 fn stopped_in_the_middle_of_a_step() {
+    let tilting = unbroken(tilting());
     for evaluation in [2, 9, 14] {
-        stops_and_goes_on(&tilting(), &format!("residual:LAST:term:{evaluation}"), 75);
+        let fault = format!("residual:LAST:term:{evaluation}");
+        stops_and_goes_on(&tilting, &in_turn(evaluation), &fault, 75);
     }
-    stops_and_goes_on(&reference(), "residual:LAST:usr2:7", 75);
+    stops_and_goes_on(&unbroken(reference()), &RANKS, "residual:LAST:usr2:7", 75);
 }
 
 #[test]
 fn a_path_stopped_on_its_way() {
+    let path = unbroken(path());
     for (phase, count) in [("history", 2), ("residual", 11)] {
-        stops_and_goes_on(&path(), &format!("{phase}:LAST:term:{count}"), 75);
+        stops_and_goes_on(&path, &RANKS, &format!("{phase}:LAST:term:{count}"), 75);
     }
 }
 
 /// Without a word of warning: what was written at the last instant counts.
 #[test]
 fn a_killed_rank() {
-    let scene = tilting().set(EVERY);
+    let scene = unbroken(tilting().set(EVERY));
     for (phase, count) in [("history", 3), ("residual", 12), ("checkpoint", 3)] {
-        stops_and_goes_on(&scene, &format!("{phase}:LAST:kill:{count}"), 137);
+        let fault = format!("{phase}:LAST:kill:{count}");
+        stops_and_goes_on(&scene, &in_turn(count), &fault, 137);
     }
 }
 
@@ -166,7 +202,7 @@ fn the_wall_clock_limit_stops_in_time() {
 }
 
 /// A directory with a checkpoint, the two newest of eight.
-fn stopped() -> std::path::PathBuf {
+fn stopped() -> PathBuf {
     let directory = fresh();
     let scene = reference().set(EVERY);
     let output = scene.launch(2, &directory, "history:1:term:5", &["--overwrite"]);
