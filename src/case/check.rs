@@ -9,6 +9,7 @@ use super::tree::Node;
 use super::{Case, Cells, InterfaceSpec, LawSpec, Material, MeshSpec, PhysicsDecision, SolverSpec};
 use super::{Form, Linear, Stability, supports};
 use crate::error::{Result, number_text};
+use crate::petsc::refused_option;
 
 /// What is said of everything that the contract plans and the program cannot do yet.
 pub(super) const LATER: &str = "is not yet available";
@@ -360,6 +361,10 @@ impl Checker<'_> {
             self.add("solver.stability", "needs form: condensed, whose tangent is symmetric");
         }
         let options = solver.petsc_options.trim();
+        if let Some(word) = refused_option(options.split_whitespace()) {
+            let reason = format!("`{word}` would run or read something other than the case");
+            self.add("solver.petsc_options", reason);
+        }
         if !options.is_empty() && !options.starts_with('-') {
             let reason = format!("must be written as `-name value -name value`, got `{options}`");
             self.add("solver.petsc_options", reason);

@@ -9,6 +9,7 @@ pub(crate) mod ffi;
 mod linear;
 mod matrix;
 mod multigrid;
+mod options;
 mod session;
 mod shell;
 mod snes;
@@ -17,6 +18,7 @@ mod vector;
 pub use linear::{KspSetup, LinearFailure, LinearReason};
 pub use matrix::Matrix;
 pub use multigrid::{MultigridLevel, Smoother};
+pub use options::refused_option;
 pub use session::{Petsc, Stage};
 pub use shell::LinearOperator;
 pub use snes::{

@@ -4,6 +4,7 @@
 
 use super::error::{c_string, check, record, text};
 use super::ffi;
+use super::options::refused_option;
 use crate::comm::Comm;
 use crate::error::{Error, Result};
 use std::cell::RefCell;
@@ -30,6 +31,16 @@ struct Session {
     stages: RefCell<BTreeMap<String, c_int>>,
 }
 
+/// Refuses options that run or read something else.
+fn refuse<'w>(words: impl Iterator<Item = &'w str>) -> Result<()> {
+    match refused_option(words) {
+        None => Ok(()),
+        Some(word) => Err(Error::Input(format!(
+            "the PETSc option `{word}` is refused: it would run or read something other than the case"
+        ))),
+    }
+}
+
 impl Petsc {
     /// Starts PETSc on a duplicate of `comm`, with the options of the command line. Collective;
     /// once in a process.
@@ -38,7 +49,8 @@ impl Petsc {
     /// command line alone (and on `PETSC_OPTIONS`).
     ///
     /// # Errors
-    /// `Input` when the options do not begin with a `-name`; `System` when the library is not the
+    /// `Input` when the options do not begin with a `-name`, or one asks to run or read something
+    /// else; `System` when the library is not the
     /// version that the program was built with, or does not start.
     pub fn start(comm: &Comm, options: &[String]) -> Result<Self> {
         if let Some(first) = options.first().filter(|first| !first.starts_with('-')) {
@@ -46,6 +58,7 @@ impl Petsc {
                 "`{first}` is no PETSc option: after `--` come options of PETSc, such as -ksp_monitor"
             )));
         }
+        refuse(options.iter().map(String::as_str))?;
         check_version()?;
         let comm = comm.duplicate();
         let command_line = options.iter().map(|o| c_string(o)).collect::<Result<Vec<_>>>()?;
@@ -87,13 +100,15 @@ impl Petsc {
     /// line win. Local, but to be called alike on all ranks.
     ///
     /// # Errors
-    /// `Input` when the text does not begin with a `-name`; `System` when PETSc refuses it.
+    /// `Input` when the text does not begin with a `-name`, or an option asks to run or read something
+    /// else; `System` when PETSc refuses it.
     pub fn insert_options(&self, options: &str) -> Result<()> {
         if !options.trim().is_empty() && !options.trim_start().starts_with('-') {
             return Err(Error::Input(format!(
                 "PETSc options are written as -name value, not `{options}`"
             )));
         }
+        refuse(options.split_whitespace())?;
         let options = c_string(options)?;
         // SAFETY: PETSc is initialised, the string lives through the call.
         let code = unsafe { ffi::PetscOptionsInsertString(ptr::null_mut(), options.as_ptr()) };

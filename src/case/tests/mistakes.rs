@@ -203,6 +203,15 @@ fn a_mistake_in_an_override_is_told_with_the_override() {
             "solver.form saddle_point needs linear: mumps or auto",
         ),
         (
+            "solver.petsc_options=-ksp_view -start_in_debugger",
+            "solver.petsc_options `-start_in_debugger` would run or read something other than the \
+             case",
+        ),
+        (
+            "output.checkpoint.every=often",
+            "output.checkpoint.every must be like 10 min, 90 s, 2 h or 23:30:00, got `often`",
+        ),
+        (
             "output.fields=al",
             "output.fields cannot be `al`; did you mean `all`? (known: all, none)",
         ),
