@@ -122,17 +122,32 @@ impl Body {
 /// Lower and upper body, and the traction between them.
 pub struct Manufactured {
     pub dim: usize,
+    /// Whether the left side is held by prescribed displacements, the edge of the interface included.
+    holds_left: bool,
     bodies: [Body; 2],
     traction: [Wave; 3],
 }
 
 impl Manufactured {
+    /// Opens everywhere; its edges are free.
     pub fn new(dim: usize) -> Self {
+        // Between 0.18 and 0.42 of the critical jump.
+        Self::with(dim, Wave { c: 0.3 * CRITICAL, s: 0.12 * CRITICAL, k: 0.0 }, false)
+    }
+
+    /// Held on the left, where it does not open: both lips have one place there, and a formula one
+    /// value.
+    pub fn held_on_the_left() -> Self {
+        let part = 0.2 * CRITICAL;
+        let size = Wave { c: part, s: -part * PHASE.sin(), k: -part * PHASE.cos() };
+        Self::with(2, size, true)
+    }
+
+    fn with(dim: usize, size: Wave, holds_left: bool) -> Self {
         let across = if dim == 2 { [ACROSS[0], 0.0] } else { ACROSS };
-        // The jump has one direction and a size between 0.18 and 0.42 of the critical one.
+        // The jump has one direction.
         let (tilt, turn) = (0.5_f64, if dim == 2 { 0.0 } else { 0.7_f64 });
         let direction = [tilt.sin() * turn.cos(), tilt.sin() * turn.sin(), tilt.cos()];
-        let size = Wave { c: 0.3 * CRITICAL, s: 0.12 * CRITICAL, k: 0.0 };
         let law = Wave { c: STRENGTH, ..Wave::default() }.plus(size.scaled(-STRENGTH / CRITICAL));
         let traction = direction.map(|e| law.scaled(e));
         let at_lip = |i: usize, upper: f64| {
@@ -159,7 +174,7 @@ impl Manufactured {
             }
             body
         };
-        Self { dim, bodies: [body(0.0, 100.0, 0.3), body(1.0, 140.0, 0.2)], traction }
+        Self { dim, holds_left, bodies: [body(0.0, 100.0, 0.3), body(1.0, 140.0, 0.2)], traction }
     }
 
     fn theta(&self, [x, y, _]: [f64; 3]) -> f64 {
@@ -206,16 +221,18 @@ impl Manufactured {
     }
 
     /// The case; `bodies` is that list of the mesh. Displacements are prescribed below and above,
-    /// tractions on the sides: the edges of the interface are free.
+    /// tractions on the sides that are not held.
     pub fn yaml(&self, bodies: &str) -> String {
         let size = if self.dim == 2 { "[1.0, 1.0]" } else { "[1.0, 1.0, 1.0]" };
         let mut boundary = String::new();
-        for surface in ["bottom", "top"] {
+        let sides = [("left", 0, -1.0), ("right", 0, 1.0), ("front", 1, -1.0), ("back", 1, 1.0)];
+        let sides = &sides[..2 * self.dim - 2];
+        let held = self.holds_left.then_some("left");
+        for surface in ["bottom", "top"].into_iter().chain(held) {
             let u = self.vector(|body, i| body.displacement[i].clone());
             boundary += &format!("  - {{on: {surface}, displacement: {{{u}}}}}\n");
         }
-        let sides = [("left", 0, -1.0), ("right", 0, 1.0), ("front", 1, -1.0), ("back", 1, 1.0)];
-        for (surface, axis, sign) in &sides[..2 * self.dim - 2] {
+        for (surface, axis, sign) in sides.iter().filter(|side| held != Some(side.0)) {
             let t = self.vector(|body, i| body.stress(i, *axis).scaled(*sign));
             boundary += &format!("  - {{on: {surface}, traction: {{{t}}}}}\n");
         }

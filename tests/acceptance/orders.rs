@@ -274,6 +274,22 @@ fn in_3d() {
     }
 }
 
+/// Where prescribed displacements meet the edge of the interface, multipliers are dropped there and
+/// their functions extended as constants, which promises 1.5 of second order. Here the slope of the
+/// traction vanishes at that edge, which a constant represents well.
+#[test]
+fn with_a_held_edge() {
+    let exact = Manufactured::held_on_the_left();
+    for (order, least) in [(1, 0.9), (2, 1.4)] {
+        for coarsest in [[4, 4], [4, 6], [6, 4]] {
+            let scene = |bodies: &str| Scene::new("held", &exact.yaml(bodies));
+            let orders = observed(&exact, (2, order), coarsest, 4, scene);
+            assert!(orders.traction > least, "{order} {coarsest:?}: {orders:?}");
+            assert!(orders.energy > order as f64 - 0.5, "{order} {coarsest:?}: {orders:?}");
+        }
+    }
+}
+
 #[test]
 fn of_a_jump_that_turns() {
     for order in [1, 2] {
