@@ -6,7 +6,6 @@
 
 use std::path::{Path, PathBuf};
 
-use ::hdf5::types::{FloatSize, IntSize, TypeDescriptor};
 use ::hdf5::{Dataset, File, H5Type, LinkType};
 
 use super::publisher::Publisher;
@@ -223,12 +222,6 @@ fn expect<T: H5Type>(
     let kind =
         dataset.dtype().and_then(|t| t.to_descriptor()).map_err(|cause| cause.to_string())?;
     let wanted = T::type_descriptor();
-    debug_assert!(matches!(
-        wanted,
-        TypeDescriptor::Float(FloatSize::U8)
-            | TypeDescriptor::Unsigned(IntSize::U8)
-            | TypeDescriptor::Unsigned(IntSize::U1)
-    ));
     let found = dataset.shape();
     if kind == wanted && found == shape {
         return Ok(());

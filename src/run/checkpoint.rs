@@ -161,18 +161,11 @@ impl Restart {
             vec![PathBuf::from(word)]
         };
         found.reverse();
-        let restart = Self::next(comm, found)?;
-        let difference = difference(&restart.state, case);
-        match difference {
-            None => Ok(restart),
-            Some(words) => {
-                Err(Error::Input(format!("cannot go on from {}: {words}", restart.path.display())))
-            }
-        }
+        Self::next(comm, found, case)
     }
 
-    /// The last of `found` that is whole.
-    fn next(comm: &Comm, mut found: Vec<PathBuf>) -> Result<Self> {
+    /// The last of `found` that is whole; it has to be of the case.
+    fn next(comm: &Comm, mut found: Vec<PathBuf>, case: &Case) -> Result<Self> {
         loop {
             let Some(path) = found.pop() else {
                 return Err(Error::Bug("a restart without a file".into()));
@@ -182,7 +175,13 @@ impl Restart {
                 Ok((opened, state))
             });
             match opened {
-                Ok((opened, state)) => return Ok(Self { path, older: found, opened, state }),
+                Ok((opened, state)) => match difference(&state, case) {
+                    None => return Ok(Self { path, older: found, opened, state }),
+                    Some(words) => {
+                        let file = path.display();
+                        return Err(Error::Input(format!("cannot go on from {file}: {words}")));
+                    }
+                },
                 Err(error) if found.is_empty() => return Err(error),
                 Err(error) => tracing::warn!("warning: {error}; the checkpoint before it is taken"),
             }
@@ -194,7 +193,7 @@ impl Restart {
     ///
     /// # Errors
     /// `Input` when none has whole fields of this mesh.
-    pub fn resume(self, comm: &Comm, model: &mut Model<'_>) -> Result<RunState> {
+    pub fn resume(self, comm: &Comm, case: &Case, model: &mut Model<'_>) -> Result<RunState> {
         let Self { path, older, opened, state } = self;
         let all = &model.stepper.problem.all;
         let secondary = comm.sum_u64(all.owned_secondary() as u64);
@@ -225,7 +224,7 @@ impl Restart {
             Err(error) if older.is_empty() => Err(error),
             Err(error) => {
                 tracing::warn!("warning: {error}; the checkpoint before it is taken");
-                Self::next(comm, older)?.resume(comm, model)
+                Self::next(comm, older, case)?.resume(comm, case, model)
             }
         }
     }

@@ -108,7 +108,7 @@ fn run_case(runtime: &Runtime, timers: &Timers, options: &RunOptions) -> Result<
     };
 
     let mut model = build(runtime, timers, &case, directory)?;
-    let state = restart.map(|restart| restart.resume(comm, &mut model)).transpose()?;
+    let state = restart.map(|restart| restart.resume(comm, &case, &mut model)).transpose()?;
     let directory = match &state {
         Some(state) => {
             let last = state.fields.last().map_or(0, |(step, _)| *step);

@@ -13,8 +13,8 @@ const PER_RANK: f64 = 5.5e7;
 /// order, 2D and 3D of second order.
 const PER_UNKNOWN: [(&str, [f64; 4]); 3] = [
     (MULTIGRID, [440.0, 420.0, 420.0, 400.0]),
-    ("gamg", [870.0, 1850.0, 1300.0, 3470.0]),
-    ("hypre", [980.0, 2650.0, 1700.0, 5700.0]),
+    ("gamg", [870.0, 1850.0, 1200.0, 3470.0]),
+    ("hypre", [980.0, 2650.0, 1520.0, 5700.0]),
 ];
 
 /// With smoothed aggregation and elimination several ranks hold more than one does.

@@ -101,9 +101,11 @@ impl NonlinearSystem for SaddleSystem<'_, '_> {
     fn direction(
         &mut self,
         _x: &[f64],
-        _correction: &mut [f64],
+        correction: &mut [f64],
         _solve: &mut FurtherSolve<'_>,
     ) -> Result<()> {
+        let part = self.problem.convergence.part_of_step;
+        correction.iter_mut().for_each(|c| *c *= part);
         Ok(())
     }
 

@@ -135,8 +135,15 @@ fn an_indefinite_tangent_is_solved_by_another_method() {
 
 #[test]
 fn states_that_cycle_are_left_by_half_a_correction() {
+    for form in ["solver.form=condensed", "solver.form=saddle_point"] {
+        cycles_are_left(form);
+    }
+}
+
+fn cycles_are_left(form: &str) {
     let folder = Folder::new();
     let scene = [
+        form,
         "time.instants=[1]",
         "boundary.1.displacement.z={table: [[0, 0], [1, 1.14e-3]]}",
         "interfaces.0.law.linear_softening.augmentation=0.6",
