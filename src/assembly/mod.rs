@@ -7,6 +7,7 @@
 mod cells;
 mod operator;
 mod pattern;
+mod pores;
 mod saddle;
 mod second_order;
 mod sweep;
@@ -15,6 +16,7 @@ mod tangent;
 pub use cells::{CellSet, Cells};
 pub use operator::TangentOperator;
 pub use pattern::Pattern;
+pub use pores::{PoreCell, PoreSpace};
 pub use saddle::{LawDerivative, SaddleTangent};
 pub use tangent::{NodeState, Tangent};
 

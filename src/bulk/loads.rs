@@ -1,4 +1,4 @@
-//! Body force, surface tractions and fluid pressure on the lips of the interfaces.
+//! Body force, gravity, surface tractions and fluid pressure on the lips of the interfaces; fluxes.
 
 use crate::case::{Case, Surface, Value};
 use crate::element::{QuadraturePoint, Shape, gauss};
@@ -53,6 +53,18 @@ impl Loads {
                 loads.patch(mesh, source, place, None);
             }
         }
+        if case.gravity != [0.0; 3] {
+            for (index, material) in case.materials.iter().enumerate() {
+                let density = material.porous.as_ref().map_or(0.0, |porous| porous.density);
+                let weight = case.gravity.map(|g| Some(Value::Constant(density * g)));
+                let source = loads.source("gravity".into(), weight, 1.0);
+                for (cell, prototype) in mesh.cells.iter().zip(&mesh.cell_prototype) {
+                    if mesh.prototypes[*prototype as usize].material == index {
+                        loads.patch(mesh, source, mesh.column.cell_place(*cell), None);
+                    }
+                }
+            }
+        }
         for (number, entry) in case.boundary.iter().enumerate() {
             let traction = entry.traction.clone().map(|v| v.filter(|v| !v.is_zero()));
             if traction.iter().any(Option::is_some) {
@@ -69,6 +81,21 @@ impl Loads {
                     let source = loads.source(name.clone(), [None, None, pressure.clone()], sign);
                     loads.facets(mesh, source, |place| on_lip(mesh, place, index, upper));
                 }
+            }
+        }
+        loads
+    }
+
+    /// The mass fluxes of the fluid through the surfaces, as component 0 (kg/s at nodes). `mesh` is the
+    /// one of the pressure. Local.
+    pub fn inflow(case: &Case, mesh: &LocalMesh) -> Self {
+        let mut loads = Self { dim: 1, ..Self::default() };
+        for (number, entry) in case.boundary.iter().enumerate() {
+            let flux = entry.flux.clone().filter(|flux| !flux.is_zero());
+            if flux.is_some() {
+                let name = format!("boundary.{number} ({}): flux", entry.on.name());
+                let source = loads.source(name, [flux, None, None], 1.0);
+                loads.facets(mesh, source, |place| on_surface(mesh, place, entry.on));
             }
         }
         loads
@@ -95,7 +122,7 @@ impl Loads {
         for patch in &self.patches {
             let source = &self.sources[patch.source];
             for (point, values) in patch.points.iter().zip(&self.values[patch.shape].1) {
-                for (component, axis) in axes(self.dim).iter().enumerate() {
+                for (component, axis) in self.axes().iter().enumerate() {
                     let Some(value) = &source.components[*axis] else { continue };
                     let density = value.at(point.position, time);
                     if !density.is_finite() {
@@ -117,6 +144,11 @@ impl Loads {
             }
         }
         Ok(())
+    }
+
+    /// The axes of the components; a flux has only one.
+    fn axes(&self) -> &'static [usize] {
+        if self.dim == 1 { &[0] } else { axes(self.dim) }
     }
 
     fn source(&mut self, name: String, components: [Option<Value>; 3], sign: f64) -> usize {

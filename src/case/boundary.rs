@@ -16,6 +16,8 @@ pub struct BoundarySpec {
     pub traction: [Option<Value>; 3],
     /// Prescribed pore pressure in Pa.
     pub pressure: Option<Value>,
+    /// Mass flux of the fluid in kg/m2/s, positive inwards.
+    pub flux: Option<Value>,
 }
 
 impl BoundarySpec {

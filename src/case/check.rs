@@ -52,7 +52,7 @@ impl Checker<'_> {
         let (time, start) = self.time(&file);
         self.solver(&file.solver);
         let (control, time, start) = self.control(&file, &interfaces, (time, start));
-        let physics = self.physics(&file, &materials);
+        let (physics, flow) = self.physics(&file, &materials, &interfaces, &boundary);
         if self.sound(&["mesh", "materials", "interfaces"]) {
             self.cells(&file, &mesh, &materials, &interfaces);
         }
@@ -67,7 +67,11 @@ impl Checker<'_> {
         }
         file.output.directory.get_or_insert_with(|| format!("results/{stem}"));
         file.title.get_or_insert_with(|| stem.into_owned());
-        file.physics = super::file::Physics::Mechanics;
+        file.physics = match physics {
+            PhysicsDecision::Mechanics => super::file::Physics::Mechanics,
+            PhysicsDecision::HydroMechanics => super::file::Physics::HydroMechanics,
+        };
+        let gravity = self.by_axis(file.gravity.as_deref().unwrap_or_default());
         let (checkpoint, wall) = self.limits(&file);
         let output = self.output(&file, &time, checkpoint);
         let probes = self.probes(&file, &mesh, &interfaces);
@@ -79,8 +83,10 @@ impl Checker<'_> {
             interfaces,
             boundary,
             body_force,
+            gravity,
             imperfections,
             physics,
+            flow,
             time,
             start,
             control,
@@ -246,10 +252,6 @@ impl Checker<'_> {
                 format!("must be at least the porosity {}, got {}", porous.porosity, porous.biot);
             self.add(&format!("{path}.porous.biot"), reason);
         }
-        if porous.reference_pressure != 0.0 {
-            let reason = format!("other than 0 {LATER}");
-            self.add(&format!("{path}.porous.reference_pressure"), reason);
-        }
     }
 
     /// The layers must cover the column, each height once.
@@ -309,9 +311,6 @@ impl Checker<'_> {
             below = Some(z);
             self.law(&format!("{path}.law"), &section.law);
             let fluid_pressure = section.fluid.as_ref().map(|fluid| {
-                if fluid.connected {
-                    self.add(&format!("{path}.fluid.connected"), format!("true {LATER}"));
-                }
                 self.value(&format!("{path}.fluid.pressure"), &fluid.pressure)
             });
             interfaces.push(InterfaceSpec {
@@ -320,6 +319,7 @@ impl Checker<'_> {
                 law: section.law.clone(),
                 secondary: section.secondary,
                 fluid_pressure,
+                connected: section.fluid.as_ref().is_some_and(|fluid| fluid.connected),
             });
         }
         interfaces
@@ -342,9 +342,6 @@ impl Checker<'_> {
                 self.add(&format!("time.instants.{index}"), reason);
             }
             before = (*instant, "instant before it");
-        }
-        if time.theta.is_some_and(|theta| theta != 1.0) {
-            self.add("time.theta", format!("other than 1 {LATER}"));
         }
         (time.instants.clone(), time.start)
     }
@@ -371,6 +368,15 @@ impl Checker<'_> {
         }
     }
 
+    /// Components along x, y, z.
+    fn by_axis(&self, components: &[f64]) -> [f64; 3] {
+        match components {
+            [x, z] if self.dim == 2 => [*x, 0.0, *z],
+            [x, y, z] => [*x, *y, *z],
+            _ => [0.0; 3],
+        }
+    }
+
     /// Names become columns and files.
     pub fn name(&mut self, path: &str, name: &str) {
         let allowed = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
@@ -378,14 +384,5 @@ impl Checker<'_> {
             let reason = format!("must be made of letters, digits, _ and -, got `{name}`");
             self.add(path, reason);
         }
-    }
-
-    fn physics(&mut self, file: &CaseFile, materials: &[Material]) -> PhysicsDecision {
-        if file.physics == super::file::Physics::HydroMechanics {
-            self.add("physics", format!("hydro_mechanics {LATER}"));
-        } else if self.sound(&["physics", "materials", "boundary", "initial"]) {
-            self.pore_pressure(file, materials);
-        }
-        PhysicsDecision::Mechanics
     }
 }

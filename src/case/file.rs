@@ -32,7 +32,7 @@ pub(super) struct CaseFile {
     /// What is prescribed on surfaces.
     #[serde(default)]
     pub boundary: Vec<BoundarySection>,
-    /// Gravity in m/s2 (other than 0: not yet available).
+    /// Gravity in m/s2, by component; acts on `density` of the porous data.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gravity: Option<Vec<f64>>,
     /// Body force in N/m3.
@@ -176,7 +176,7 @@ pub(super) struct InterfaceSection {
 pub(super) struct FluidSection {
     /// Its pressure in Pa.
     pub pressure: Quantity,
-    /// Whether the pore pressure at the lips equals it (true: not yet available).
+    /// Whether the pore pressure at the lips equals it.
     #[serde(default)]
     pub connected: bool,
 }
@@ -193,12 +193,12 @@ pub(super) struct BoundarySection {
     /// Surface force in Pa.
     #[serde(default, skip_serializing_if = "Components::is_empty")]
     pub traction: Components,
-    /// Pore pressure in Pa (other than 0: not yet available).
+    /// Pore pressure in Pa.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Quantity>,
-    /// Fluid mass flux (not yet available).
+    /// Mass flux of the fluid in kg/m2/s, positive inwards.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub flux: Option<serde_json::Value>,
+    pub flux: Option<Quantity>,
 }
 
 /// Components along x, y, z; there is no y in 2D.
@@ -261,7 +261,7 @@ pub(super) struct TimeSection {
     /// The time in s of the undeformed state.
     #[serde(default)]
     pub start: f64,
-    /// Time integration of flow (other than 1: not yet available).
+    /// Weight of the end of each step of the flow, 0.5 to 1; default: 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub theta: Option<f64>,
 }
@@ -307,7 +307,7 @@ pub(super) enum Physics {
     Auto,
     /// Equilibrium
     Mechanics,
-    /// Equilibrium and flow (not yet available)
+    /// Equilibrium and flow
     HydroMechanics,
 }
 

@@ -15,7 +15,7 @@ use crate::error::{Error, Result, number_text};
 #[serde(deny_unknown_fields)]
 #[schemars(extend("minProperties" = 1))]
 pub(super) struct InitialSection {
-    /// Pore pressure in Pa (other than 0: not yet available).
+    /// Pore pressure in Pa.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Quantity>,
     /// What makes a perfect structure imperfect, so that one of its branches is selected.

@@ -19,6 +19,8 @@ pub struct InterfaceSpec {
     pub secondary: Option<Side>,
     /// Pressure in Pa of the fluid between the lips.
     pub fluid_pressure: Option<Value>,
+    /// Whether the pore pressure at the lips equals it.
+    pub connected: bool,
 }
 
 /// A side of an interface.

@@ -1,10 +1,9 @@
-//! Checks of what acts on the column: values, boundary, body force, pore pressure.
+//! Checks of what acts on the column: values, boundary, body force.
 
 use super::boundary::{BoundarySpec, Surface};
-use super::check::{Checker, LATER};
-use super::file::{CaseFile, Components, Physics, Quantity};
+use super::check::Checker;
+use super::file::{CaseFile, Components, Quantity};
 use super::formula::Formula;
-use super::material::Material;
 use super::value::Value;
 use crate::error::number_text;
 
@@ -51,27 +50,25 @@ impl Checker<'_> {
             let displacement =
                 self.components(&format!("{path}.displacement"), &section.displacement);
             let traction = self.components(&format!("{path}.traction"), &section.traction);
-            let pressure = section.pressure.as_ref().map(|pressure| {
-                let value = self.value(&format!("{path}.pressure"), pressure);
-                if !value.is_zero() {
-                    let reason = format!("other than 0 {LATER}");
-                    self.add(&format!("{path}.pressure"), reason);
-                }
-                value
-            });
-            if section.flux.is_some() {
-                self.add(&format!("{path}.flux"), LATER);
-            }
+            let mut value = |key: &str, quantity: &Option<Quantity>| {
+                quantity.as_ref().map(|quantity| self.value(&format!("{path}.{key}"), quantity))
+            };
+            let pressure = value("pressure", &section.pressure);
+            let flux = value("flux", &section.flux);
             if self.dim == 2 && self.sound(&["mesh"]) && on.axis().is_some_and(|(a, _)| a == 1) {
                 self.add(&format!("{path}.on"), format!("`{}` does not exist in 2D", on.name()));
             }
             let mechanical = !section.displacement.is_empty() || !section.traction.is_empty();
             if on == Surface::All && mechanical {
                 self.add(&path, "is on `all`, which can carry a pressure only");
-            } else if !mechanical && pressure.is_none() && section.flux.is_none() {
+            } else if on == Surface::All && flux.is_some() {
+                self.add(&format!("{path}.flux"), "is on `all`, which is no surface");
+            } else if pressure.is_some() && flux.is_some() {
+                self.add(&path, "prescribes the pressure and the flux; give one of them");
+            } else if !mechanical && pressure.is_none() && flux.is_none() {
                 self.add(&path, "prescribes nothing; give displacement, traction or pressure");
             }
-            entries.push(BoundarySpec { on, displacement, traction, pressure });
+            entries.push(BoundarySpec { on, displacement, traction, pressure, flux });
         }
         entries
     }
@@ -87,17 +84,6 @@ impl Checker<'_> {
     }
 
     pub(super) fn body_force(&mut self, file: &CaseFile) -> [Value; 3] {
-        if let Some(gravity) = &file.gravity {
-            if gravity.len() != self.dim && self.sound(&["mesh"]) {
-                let reason = format!("must have {} entries, got {}", self.dim, gravity.len());
-                self.add("gravity", reason);
-            }
-            if gravity.iter().any(|component| *component != 0.0) {
-                self.add("gravity", format!("other than 0 {LATER}"));
-            } else {
-                self.left_out.push("Gravity is left out: it is 0.".to_owned());
-            }
-        }
         self.components("body_force", &file.body_force)
             .map(|part| part.unwrap_or(Value::Constant(0.0)))
     }
@@ -143,50 +129,6 @@ impl Checker<'_> {
                     }
                 }
             }
-        }
-    }
-
-    /// Whether the pore pressure can be left out: it must be known to be 0 everywhere.
-    pub(super) fn pore_pressure(&mut self, file: &CaseFile, materials: &[Material]) {
-        let initial = file.initial.as_ref().and_then(|initial| initial.pressure.as_ref());
-        if let Some(pressure) = initial
-            && !self.value("initial.pressure", pressure).is_zero()
-        {
-            self.add("initial.pressure", format!("other than 0 {LATER}"));
-            return;
-        }
-        let everywhere =
-            file.boundary.iter().any(|entry| entry.on == Surface::All && entry.pressure.is_some());
-        let porous: Vec<&str> = materials
-            .iter()
-            .filter(|material| material.porous.is_some())
-            .map(|material| material.name.as_str())
-            .collect();
-        let data = match &porous[..] {
-            [] => String::new(),
-            names => format!(", and the porous data of {} with it", names.join(", ")),
-        };
-        if everywhere {
-            self.left_out.push(format!(
-                "Pore pressure and flow are left out{data}: the pressure is prescribed as 0 on all \
-                 nodes, so it changes nothing."
-            ));
-        } else if file.physics == Physics::Mechanics && !porous.is_empty() {
-            self.left_out.push(format!(
-                "Pore pressure and flow are left out{data}: the case asks for mechanics."
-            ));
-        } else if let Some(name) = porous.first() {
-            let reason = format!(
-                "needs the coupled model, which {LATER}; prescribe {{on: all, pressure: 0}} or \
-                 choose physics: mechanics"
-            );
-            self.add(&format!("materials.{name}.porous"), reason);
-        } else if initial.is_some() || file.boundary.iter().any(|e| e.pressure.is_some()) {
-            self.left_out.push(
-                "Pore pressure is left out: it is 0 wherever it is prescribed and no material is \
-                 porous."
-                    .to_owned(),
-            );
         }
     }
 }

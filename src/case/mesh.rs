@@ -47,6 +47,11 @@ impl MeshSpec {
         self.size[self.size.len() - 1]
     }
 
+    /// Area of a section across the column in m2 (2D: m).
+    pub fn section(&self) -> f64 {
+        self.size[..self.size.len() - 1].iter().product()
+    }
+
     /// The order of the cells in words that follow `cells`; none for first order.
     pub fn order_words(&self) -> &'static str {
         match (self.orders.contains(&1), self.orders.contains(&2)) {

@@ -4,6 +4,7 @@ mod boundary;
 mod check;
 mod control;
 mod file;
+mod flow;
 mod formula;
 mod initial;
 mod interface;
@@ -23,6 +24,7 @@ mod value;
 pub use crate::law::LawSpec;
 pub use boundary::{BoundarySpec, Surface};
 pub use control::{Control, ControlKind};
+pub use flow::FlowSpec;
 pub use formula::Formula;
 pub use initial::Imperfection;
 pub use interface::{InterfaceSpec, Side};
@@ -48,6 +50,8 @@ use tree::{Data, Node, Origin};
 pub enum PhysicsDecision {
     /// Equilibrium alone; the pore pressure is known beforehand.
     Mechanics,
+    /// Equilibrium, and flow in the pores.
+    HydroMechanics,
 }
 
 impl PhysicsDecision {
@@ -55,6 +59,7 @@ impl PhysicsDecision {
     pub fn name(self) -> &'static str {
         match self {
             PhysicsDecision::Mechanics => "mechanics",
+            PhysicsDecision::HydroMechanics => "hydro_mechanics",
         }
     }
 }
@@ -74,10 +79,14 @@ pub struct Case {
     pub boundary: Vec<BoundarySpec>,
     /// Body force along x, y, z in N/m3.
     pub body_force: [Value; 3],
+    /// Gravity along x, y, z in m/s2.
+    pub gravity: [f64; 3],
     /// What makes the structure imperfect.
     pub imperfections: Vec<Imperfection>,
     /// What is computed.
     pub physics: PhysicsDecision,
+    /// Flow in the pores, where it is computed.
+    pub flow: Option<FlowSpec>,
     /// The instants in s, strictly rising, after `start`.
     pub time: Vec<f64>,
     /// The time in s of the undeformed state.
@@ -177,6 +186,9 @@ impl Case {
         let of_boundary =
             self.boundary.iter().flat_map(|b| b.displacement.iter().chain(&b.traction));
         let mut values: Vec<&Value> = of_boundary.flatten().collect();
+        if self.flow.is_some() {
+            values.extend(self.boundary.iter().flat_map(|b| b.pressure.iter().chain(&b.flux)));
+        }
         values.extend(of_interfaces.chain(&self.body_force));
         match self.control.as_ref().map(|control| &control.kind) {
             // The loads are those of one time.

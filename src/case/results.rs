@@ -39,6 +39,11 @@ impl Case {
         surfaces
     }
 
+    /// Whether fluid flows from an interface into the rock.
+    pub fn has_flux(&self, interface: &InterfaceSpec) -> bool {
+        self.flow.is_some() && interface.connected
+    }
+
     /// All columns of `history.csv`, in their order.
     pub fn columns(&self) -> Vec<String> {
         let mut columns: Vec<String> =
@@ -51,6 +56,9 @@ impl Case {
                     columns.push(format!("{}.{quantity}.{statistic}", interface.name));
                 }
             }
+            if self.has_flux(interface) {
+                columns.extend(["flux_lower", "flux_upper"].map(|of| format!("{}.{of}", interface.name)));
+            }
         }
         for surface in self.supported_surfaces() {
             for axis in self.axes() {
@@ -61,9 +69,15 @@ impl Case {
             for axis in self.axes() {
                 columns.push(format!("{}.displacement_{axis}", probe.name));
             }
+            if self.flow.is_some() {
+                columns.push(format!("{}.pressure", probe.name));
+            }
         }
         for energy in ["elastic", "dissipated", "external"] {
             columns.push(format!("energy.{energy}"));
+        }
+        if self.flow.is_some() {
+            columns.extend(["energy.fluid", "mass.in", "mass.out", "mass.stored"].map(str::to_owned));
         }
         columns
     }

@@ -21,6 +21,8 @@ pub struct SolverSpec {
     pub form: Form,
     /// What is done about states that are not stable.
     pub stability: Stability,
+    /// Whether each node stores the fluid of its share of a cell by its own pressure (with flow).
+    pub lumped_storage: bool,
 }
 
 impl Default for SolverSpec {
@@ -32,6 +34,7 @@ impl Default for SolverSpec {
             petsc_options: String::new(),
             form: Form::Condensed,
             stability: Stability::Auto,
+            lumped_storage: false,
         }
     }
 }

@@ -23,15 +23,21 @@ impl Column {
         }
     }
 
+    /// The same lattice with cells of first order, whose nodes are the corners.
+    pub fn of_first_order(&self) -> Self {
+        let mut column = self.clone();
+        column.bodies.iter_mut().for_each(|body| body.order = 1);
+        column.number();
+        column
+    }
+
     /// The lattice with cells of first order where some are of second; else with about twice the
     /// edges, body by body, along the axes where they are short.
     fn coarsened(&self) -> Self {
-        let mut column = self.clone();
         if (0..self.bodies()).any(|b| self.order(b) > 1) {
-            column.bodies.iter_mut().for_each(|body| body.order = 1);
-            column.number();
-            return column;
+            return self.of_first_order();
         }
+        let mut column = self.clone();
         for index in 0..self.bodies() {
             let n = self.extent(index);
             let edge = |axis: usize| {

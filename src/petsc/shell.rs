@@ -4,7 +4,7 @@
 
 use super::error::check;
 use super::vector::petsc_int;
-use super::{Matrix, Petsc, ReadView, WriteView, ffi};
+use super::{Matrix, Petsc, ReadView, Snes, WriteView, ffi};
 use crate::error::{Error, Result};
 use std::ffi::c_void;
 use std::ptr;
@@ -89,6 +89,69 @@ impl Matrix {
         }
         Ok(matrix)
     }
+}
+
+impl Snes {
+    /// Makes `operator` the preconditioner, unless options of the user choose another. Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn precondition_by(&mut self, operator: Rc<dyn LinearOperator>) -> Result<()> {
+        if self.pc_type()? != "shell" {
+            return Ok(());
+        }
+        let pc = self.pc()?;
+        let context = Box::into_raw(Box::<Shared>::new(operator)).cast::<c_void>();
+        // SAFETY: a valid preconditioner of the right type; the context belongs to it from now on.
+        unsafe {
+            check(ffi::PCShellSetContext(pc, context), "PCShellSetContext")?;
+            check(ffi::PCShellSetDestroy(pc, Some(destroy_preconditioner)), "PCShellSetDestroy")?;
+            check(ffi::PCShellSetApply(pc, Some(precondition)), "PCShellSetApply")
+        }
+    }
+}
+
+/// What a shell preconditioner points to.
+///
+/// # Safety
+/// `pc` is one that [`Snes::precondition_by`] has set up; PETSc keeps it until it destroys it.
+unsafe fn context_of(pc: ffi::PC) -> Result<*mut Shared> {
+    let mut context: *mut c_void = ptr::null_mut();
+    let address = (&raw mut context).cast::<c_void>();
+    // SAFETY: valid by the contract; PETSc writes the pointer that it was given.
+    check(unsafe { ffi::PCShellGetContext(pc, address) }, "PCShellGetContext")?;
+    Ok(context.cast::<Shared>())
+}
+
+/// # Safety
+/// To be called by PETSc only, with a preconditioner of [`Snes::precondition_by`] and two vectors that
+/// fit it.
+unsafe extern "C" fn precondition(pc: ffi::PC, x: ffi::Vec, y: ffi::Vec) -> ffi::PetscErrorCode {
+    let work = || {
+        // SAFETY: PETSc lends a valid preconditioner and two different valid vectors during the call;
+        // the context is a boxed `Shared`, which lives as long as the preconditioner.
+        let (operator, x, mut y) = unsafe {
+            (Rc::clone(&*context_of(pc)?), ReadView::new(x)?, WriteView::new(y)?)
+        };
+        operator.multiply(&x, &mut y);
+        Ok(())
+    };
+    answer(work())
+}
+
+/// # Safety
+/// To be called by PETSc once, when nothing refers to the preconditioner any more.
+unsafe extern "C" fn destroy_preconditioner(pc: ffi::PC) -> ffi::PetscErrorCode {
+    let work = || {
+        // SAFETY: as in `precondition`.
+        let context = unsafe { context_of(pc)? };
+        if !context.is_null() {
+            // SAFETY: boxed by `Snes::precondition_by`, given back once.
+            drop(unsafe { Box::from_raw(context) });
+        }
+        Ok(())
+    };
+    answer(work())
 }
 
 /// The operator of a shell matrix.

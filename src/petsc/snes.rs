@@ -147,6 +147,11 @@ impl Snes {
         check(unsafe { ffi::SNESSetFromOptions(raw) }, "SNESSetFromOptions")
     }
 
+    /// The preconditioner, for the other files of the fence. Local.
+    pub(super) fn pc(&self) -> Result<ffi::PC> {
+        self.ksp.pc()
+    }
+
     /// The matrix of the tangent. Local.
     pub fn matrix(&self) -> &Matrix {
         &self.matrix

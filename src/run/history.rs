@@ -3,7 +3,7 @@
 use super::probes::Probe;
 use crate::case::Case;
 use crate::comm::Comm;
-use crate::solve::{Accepted, Model, Problem};
+use crate::solve::{Accepted, FluidBalance, Model};
 
 /// The row of the instant that `model` has reached, in the order of `Case::columns`. Collective;
 /// complete on every rank.
@@ -19,7 +19,7 @@ pub fn row(
     let counts = [accepted.newton_iterations, accepted.linear_iterations].map(|n| Some(n as f64));
     let factor = model.stepper.load_factor();
     let mut row = vec![Some(time), Some(factor), counts[0], counts[1]];
-    row.extend(interface_statistics(case, problem, comm));
+    row.extend(interface_statistics(case, model, comm));
     let reactions = model.stepper.reactions();
     for surface in case.supported_surfaces() {
         let mut sum = [0.0; 3];
@@ -31,14 +31,29 @@ pub fn row(
         comm.sum(&mut sum);
         row.extend(sum[..case.dim].iter().map(|v| Some(*v)));
     }
-    let mut at_probes = vec![0.0; 3 * case.probes.len()];
+    // Three components, then the pressure and whether there is one.
+    let flow = model.stepper.coupling.as_ref().map(|coupling| &coupling.flow);
+    let mut at_probes = vec![0.0; 5 * case.probes.len()];
     for probe in probes {
-        at_probes[3 * probe.index..][..3].copy_from_slice(&probe.displacement(problem));
+        let own = &mut at_probes[5 * probe.index..][..5];
+        own[..3].copy_from_slice(&probe.displacement(problem));
+        if let Some(pressure) = flow.and_then(|flow| probe.pressure(flow)) {
+            own[3..].copy_from_slice(&[pressure, 1.0]);
+        }
     }
     comm.sum(&mut at_probes);
-    row.extend(at_probes.chunks_exact(3).flat_map(|u| &u[..case.dim]).map(|v| Some(*v)));
+    for own in at_probes.chunks_exact(5) {
+        row.extend(own[..case.dim].iter().map(|v| Some(*v)));
+        if flow.is_some() {
+            row.push((own[4] > 0.0).then_some(own[3]));
+        }
+    }
     let energy = accepted.energy;
     row.extend([energy.elastic, energy.dissipated, energy.external].map(Some));
+    if let Some(flow) = flow {
+        let FluidBalance { inflow, outflow, stored } = flow.balance;
+        row.extend([energy.fluid, inflow, outflow, stored].map(Some));
+    }
     row
 }
 
@@ -64,7 +79,8 @@ impl Statistic {
 }
 
 /// Minimum, maximum and mean of every interface quantity. Collective.
-fn interface_statistics(case: &Case, problem: &Problem<'_>, comm: &Comm) -> Vec<Option<f64>> {
+fn interface_statistics(case: &Case, model: &Model<'_>, comm: &Comm) -> Vec<Option<f64>> {
+    let problem = &model.stepper.problem;
     let dim = case.dim;
     let per_interface = 2 * dim + 1;
     let mut all = vec![Statistic::NONE; per_interface * case.interfaces.len()];
@@ -93,6 +109,14 @@ fn interface_statistics(case: &Case, problem: &Problem<'_>, comm: &Comm) -> Vec<
     for (i, sum) in sums.chunks_exact(2).enumerate() {
         let some = sum[1] > 0.0;
         row.extend([least[i], most[i], sum[0] / sum[1]].map(|v| some.then_some(v)));
+        let (interface, place) = (i / per_interface, i % per_interface);
+        if let Some(coupling) = &model.stepper.coupling
+            && place + 1 == per_interface
+            && case.has_flux(&case.interfaces[interface])
+        {
+            let rates = coupling.flow.into_sides[interface];
+            row.extend(rates.map(|rate| Some(rate / case.mesh.section())));
+        }
     }
     row
 }

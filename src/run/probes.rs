@@ -1,9 +1,9 @@
-//! Displacements at given points.
+//! Displacements and pore pressures at given points.
 
 use crate::case::Case;
 use crate::element::MAX_NODES;
 use crate::mesh::{LocalMesh, axes};
-use crate::solve::Problem;
+use crate::solve::{Flow, Problem};
 
 /// A probe, on the rank whose cell holds it.
 pub struct Probe {
@@ -11,6 +11,8 @@ pub struct Probe {
     pub index: usize,
     nodes: Vec<u64>,
     values: [f64; MAX_NODES],
+    /// Names of the pressure nodes, and their values there.
+    corners: (Vec<u64>, [f64; MAX_NODES]),
 }
 
 /// The probes of this rank; each is on exactly one rank. A point on an interface belongs to the
@@ -28,12 +30,23 @@ pub fn locate(case: &Case, mesh: &LocalMesh) -> Vec<Probe> {
         }
         let mut values = [0.0; MAX_NODES];
         mesh.column.shape(place.body).values(xi, &mut values);
-        found.push(Probe { index, nodes: mesh.column.cell_nodes(place), values });
+        let mut at_corners = [0.0; MAX_NODES];
+        mesh.column.shape(place.body).corners().values(xi, &mut at_corners);
+        let corners = (mesh.column.of_first_order().cell_nodes(place), at_corners);
+        found.push(Probe { index, nodes: mesh.column.cell_nodes(place), values, corners });
     }
     found
 }
 
 impl Probe {
+    /// Pore pressure (Pa); none in a cell without pores. Local.
+    pub fn pressure(&self, flow: &Flow) -> Option<f64> {
+        let (names, values) = &self.corners;
+        let nodal = names.iter().map(|name| flow.space.nodes.local(*name));
+        let nodal: Option<Vec<u32>> = nodal.collect();
+        Some(nodal?.iter().zip(values).map(|(n, v)| v * flow.pressure[*n as usize]).sum())
+    }
+
     /// Displacement by component (m). Local.
     pub fn displacement(&self, problem: &Problem<'_>) -> [f64; 3] {
         let (all, dim) = (&problem.all, problem.all.dim);

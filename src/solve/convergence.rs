@@ -250,7 +250,8 @@ impl Convergence {
         }
         tracing::debug!(
             target: "newton",
-            "  correction {iteration:3}  out of balance {out_of_balance:9.3e}  jumps {largest:9.3e}"
+            "  correction {iteration:3}  out of balance {out_of_balance:9.3e}  jumps {largest:9.3e}  \
+             other {control:9.3e}"
         );
         if out_of_balance.max(largest).max(control) <= self.tolerance {
             return Ok(Verdict::Converged);

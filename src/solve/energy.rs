@@ -11,6 +11,8 @@ pub struct Energy {
     pub dissipated: f64,
     /// Work of supports and loads since the start, trapezoidal between accepted states.
     pub external: f64,
+    /// Likewise of the fluid in the pores and in open interfaces on the skeleton.
+    pub fluid: f64,
 }
 
 /// Potential energy of the state that `problem` evaluated last: what is stored and dissipated, less the
@@ -28,7 +30,8 @@ pub(super) fn potential(problem: &Problem<'_>) -> f64 {
     sum[0]
 }
 
-/// What this rank's part of a state stores and has dissipated (J), with the loads summed at its nodes.
+/// What this rank's part of a state stores and has dissipated (J), with all that acts on the bulk summed
+/// at its nodes.
 fn held(problem: &Problem<'_>, load: &[f64]) -> [f64; 2] {
     let (all, dim) = (&problem.all, problem.all.dim);
     let forces = problem.bulk_force.iter().zip(load).zip(&problem.displacement);
@@ -54,12 +57,17 @@ pub(super) struct Work {
     pub(super) displacement: Vec<f64>,
     pub(super) force: Vec<f64>,
     pub(super) total: f64,
+    /// Forces of the pore pressure (N); empty without one.
+    pub(super) pore_force: Vec<f64>,
+    /// Their work.
+    pub(super) of_fluid: f64,
 }
 
 impl Work {
     /// At rest, with `size` owned components.
     pub fn new(size: usize) -> Self {
-        Self { displacement: vec![0.0; size], force: vec![0.0; size], total: 0.0 }
+        let (displacement, force) = (vec![0.0; size], vec![0.0; size]);
+        Self { displacement, force, total: 0.0, pore_force: Vec::new(), of_fluid: 0.0 }
     }
 
     /// Energies of the state that `problem` evaluated last and its interfaces have committed; its
@@ -68,22 +76,34 @@ impl Work {
         let (all, dim) = (&problem.all, problem.all.dim);
         let mut load = problem.load.clone();
         all.nodes.add_to_owners(&mut load, dim);
-        let mut work = 0.0;
+        let mut pore_force = problem.pore_force.clone();
+        if !pore_force.is_empty() {
+            all.nodes.add_to_owners(&mut pore_force, dim);
+            self.pore_force.resize(self.displacement.len(), 0.0);
+        }
+        let (mut work, mut of_fluid) = (0.0, 0.0);
         for node in 0..all.nodes.owned {
             for c in 0..dim {
                 let i = node * dim + c;
                 let u = problem.displacement[i];
                 let support = if all.prescribed[node][c] { problem.balance[i] } else { 0.0 };
                 let force = support + load[i];
-                work += 0.5 * (self.force[i] + force) * (u - self.displacement[i]);
+                let step = u - self.displacement[i];
+                work += 0.5 * (self.force[i] + force) * step;
+                if let Some(before) = self.pore_force.get_mut(i) {
+                    of_fluid += 0.5 * (*before + pore_force[i]) * step;
+                    *before = pore_force[i];
+                }
                 self.displacement[i] = u;
                 self.force[i] = force;
             }
         }
-        let [stored, dissipated] = held(problem, &load);
-        let mut sums = [stored, dissipated, work];
+        let [stored, dissipated] = held(problem, &problem.applied());
+        let mut sums = [stored, dissipated, work, of_fluid];
         problem.comm.sum(&mut sums);
         self.total += sums[2];
-        Energy { elastic: sums[0], dissipated: sums[1], external: self.total }
+        self.of_fluid += sums[3];
+        let (external, fluid) = (self.total, self.of_fluid);
+        Energy { elastic: sums[0], dissipated: sums[1], external, fluid }
     }
 }

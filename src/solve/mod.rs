@@ -2,8 +2,11 @@
 
 mod condensed;
 mod convergence;
+mod coupled;
 mod eigen;
 mod energy;
+mod flow;
+mod flow_setup;
 mod imperfection;
 mod interfaces;
 mod linear;
@@ -18,7 +21,9 @@ mod stability;
 mod state;
 mod stepping;
 
+pub use coupled::Coupling;
 pub use energy::Energy;
+pub use flow::{Flow, FluidBalance};
 pub use imperfection::strength_factors;
 pub use interfaces::{InterfaceState, NodeResponse};
 pub use linear::{LinearChoice, MULTIGRID};

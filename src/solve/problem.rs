@@ -56,7 +56,9 @@ pub struct Problem<'a> {
     pub displacement: Vec<f64>,
     /// Load of this rank's cells at the target time, per local node, not summed (N).
     pub load: Vec<f64>,
-    /// Out-of-balance force of the bulk alone at owned nodes: K u - load (N).
+    /// Forces of the pore pressure, likewise (N); empty without one.
+    pub pore_force: Vec<f64>,
+    /// Out-of-balance force of the bulk alone at owned nodes: K u - load - pore force (N).
     pub bulk_force: Vec<f64>,
     /// The same with the tractions of the interfaces (N): zero where nothing is prescribed, the
     /// reaction of the support elsewhere.
@@ -101,6 +103,7 @@ impl<'a> Problem<'a> {
             diagonal,
             displacement: vec![0.0; size],
             load: vec![0.0; size],
+            pore_force: Vec::new(),
             bulk_force: vec![0.0; size],
             balance: vec![0.0; size],
             path: None,
@@ -152,6 +155,7 @@ impl<'a> Problem<'a> {
         self.displacement[..x.len()].copy_from_slice(x);
         nodes.update_ghosts(&mut self.displacement, dim);
         self.bulk_force.iter_mut().zip(&self.load).for_each(|(f, l)| *f = -l);
+        self.bulk_force.iter_mut().zip(&self.pore_force).for_each(|(f, p)| *f -= p);
         let (u, force) = (&self.displacement, &mut self.bulk_force);
         if !with_scales {
             self.all.cells.add_forces(CellSet::All, u, force, None);
@@ -163,13 +167,49 @@ impl<'a> Problem<'a> {
         nodes.add_to_owners(force, dim);
         nodes.add_to_owners(&mut magnitude, 1);
         // Loads count too: they may leave the bulk without any force of its own.
-        let mut load = self.load.clone();
-        nodes.add_to_owners(&mut load, dim);
+        let load = self.applied();
         for (magnitude, load) in magnitude.iter_mut().zip(load.chunks_exact(dim)) {
             let length = load.iter().map(|l| l * l).sum::<f64>().sqrt();
             *magnitude = magnitude.max(length);
         }
         self.convergence.see_forces(&magnitude[..nodes.owned], &self.displacement[..x.len()]);
+    }
+
+    /// Loads and forces of the pore pressure at owned nodes (N). Collective.
+    pub(super) fn applied(&self) -> Vec<f64> {
+        let mut applied = self.load.clone();
+        applied.iter_mut().zip(&self.pore_force).for_each(|(l, p)| *l += p);
+        self.all.nodes.add_to_owners(&mut applied, self.all.dim);
+        applied
+    }
+
+    /// States with which the tangent was assembled, for all local secondary nodes. Local.
+    pub(super) fn assembled_state(&self) -> &[NodeState] {
+        self.assembled_state.as_deref().unwrap_or_default()
+    }
+
+    /// Keeps a correction of the displacements for the guesses of later ones. Collective.
+    pub(super) fn keep(&mut self, correction: &[f64]) {
+        self.recycle.keep(self.comm, &self.all, correction);
+    }
+
+    /// The verdict on the state that was evaluated last, with the residual `f` of the displacements;
+    /// `other` is the error of what else has to hold, over its scale. Collective.
+    pub(super) fn judge(
+        &mut self,
+        iteration: usize,
+        f: &[f64],
+        norm: f64,
+        other: f64,
+    ) -> Result<Verdict> {
+        let worst = self.worst_force(f);
+        let free = condensed::free_components(&self.all, &self.interfaces);
+        let forces = f.iter().zip(free).filter(|(_, free)| *free);
+        let mut square = [forces.map(|(f, _)| f * f).sum::<f64>()];
+        self.comm.sum(&mut square);
+        self.residual_norm = square[0].sqrt();
+        let (comm, all) = (self.comm, &self.all);
+        self.convergence.judge(comm, all, &self.interfaces, iteration, norm, worst, other)
     }
 
     /// The largest out-of-balance nodal force in a residual. Local.
@@ -308,7 +348,7 @@ impl NonlinearSystem for Problem<'_> {
         let part = self.convergence.part_of_step;
         let Some(path) = self.path.as_mut().filter(|path| path.follows()) else {
             condensed::follow(&self.all, &self.interfaces, correction);
-            self.recycle.keep(self.comm, &self.all, correction);
+            self.keep(correction);
             correction.iter_mut().for_each(|c| *c *= part);
             return Ok(());
         };
@@ -368,22 +408,15 @@ impl NonlinearSystem for Problem<'_> {
     }
 
     fn verdict(&mut self, iteration: usize, _x: &[f64], f: &[f64], norm: f64) -> Result<Verdict> {
-        let worst = self.worst_force(f);
-        let free = condensed::free_components(&self.all, &self.interfaces);
-        let forces = f.iter().zip(free).filter(|(_, free)| *free);
-        let mut square = [forces.map(|(f, _)| f * f).sum::<f64>()];
-        self.comm.sum(&mut square);
-        self.residual_norm = square[0].sqrt();
-        let all = &self.all;
         let mut control = 0.0;
         if let Some(path) = &self.path {
             if path.failure.is_some() {
                 self.convergence.failure.clone_from(&path.failure);
                 return Ok(Verdict::Diverged);
             }
-            control = path.error(self.comm, all, &self.interfaces);
+            control = path.error(self.comm, &self.all, &self.interfaces);
         }
-        self.convergence.judge(self.comm, all, &self.interfaces, iteration, norm, worst, control)
+        self.judge(iteration, f, norm, control)
     }
 
     fn linear_tolerance(&mut self, _iteration: usize, norm: f64) -> LinearTolerance {

@@ -3,6 +3,8 @@
 use std::rc::Rc;
 
 use super::convergence::Convergence;
+use super::coupled::Coupling;
+use super::flow_setup::{MECHANICS, couple};
 use super::imperfection::strength_factors;
 use super::interfaces::{InterfaceState, JointLaw};
 use super::linear::{LinearChoice, LinearTarget, MULTIGRID};
@@ -10,7 +12,9 @@ use super::path::PathControl;
 use super::problem::{Problem, TangentForm};
 use super::saddle::SaddlePoint;
 use super::stepping::Stepper;
-use crate::assembly::{Cells, Discretization, Pattern, SaddleTangent, Tangent};
+use crate::assembly::{
+    Cells, Discretization, Pattern, SaddleTangent, Tangent, TangentOperator,
+};
 use crate::bulk::{Elastic, Loads, Stiffness};
 use crate::case::{Case, Control, Form};
 use crate::comm::Comm;
@@ -91,13 +95,29 @@ pub fn build<'a>(
         levels.push((mesh.column.clone(), Rc::clone(&all)));
     }
     let system = system(runtime, case, &choice, &mesh, &all, levels)?;
-    let System { snes, form, diagonal, saddle, rows } = system;
-    let x = Vector::new(&runtime.petsc, rows, dim)?;
+    let System { mut snes, form, diagonal, saddle, mut rows } = system;
+    let mut coupling = None;
+    let mut width = dim;
+    if let Some(flow) = &case.flow {
+        let tangent = match &form {
+            TangentForm::Levels(hierarchy) => Rc::clone(hierarchy.finest()),
+            _ => Rc::new(TangentOperator::new(Rc::clone(&all), diagonal)),
+        };
+        let coupled = couple(runtime, case, flow, (&mesh, &all), (snes, tangent))?;
+        (snes, rows, width) = (coupled.0, coupled.2, 1);
+        coupling = Some(coupled.1);
+    }
+    let mut x = Vector::new(&runtime.petsc, rows, width)?;
+    if let Some(Coupling { flow, .. }) = &mut coupling {
+        let unknowns = &mut x.write()?[all.nodes.owned * dim..];
+        unknowns.iter_mut().zip(&flow.pressure).for_each(|(x, p)| *x = p / flow.scale);
+        flow.begin(comm, &all, &vec![0.0; all.nodes.len() * dim]);
+    }
     let form = (form, diagonal);
     let mut problem = Problem::new(comm, timers, all, loads, interfaces, form, convergence, target);
     let path = |control: &Control| PathControl::new(control.clone(), control.words(case));
     problem.path = case.control.as_ref().map(path);
-    let stepper = Stepper::new(case, problem, snes, saddle, x, prescribed);
+    let stepper = Stepper::new(case, problem, snes, (saddle, coupling), x, prescribed);
     Ok(Model { stepper, mesh, sides, choice, unknowns })
 }
 
@@ -154,11 +174,12 @@ fn system(
     comm.max(&mut largest);
     let diagonal = largest[0];
     let setup = KspSetup::new(&choice.options);
+    let prefix = if case.flow.is_some() { MECHANICS } else { "" };
     if !levels.is_empty() {
         let mut hierarchy = Hierarchy::new(comm, petsc, levels)?;
         let rows = all.nodes.owned * dim;
         let matrix = Matrix::shell(petsc, rows, rows, dim, hierarchy.finest().clone())?;
-        let snes = Snes::with_levels(petsc, "", matrix, &setup, &hierarchy.levels())?;
+        let snes = Snes::with_levels(petsc, prefix, matrix, &setup, &hierarchy.levels())?;
         hierarchy.take_smoothers(snes.smoothers()?);
         return Ok(System {
             snes,
@@ -186,7 +207,7 @@ fn system(
         set_rigid_motions(runtime, mesh, all, &mut matrix)?;
     }
     let form = TangentForm::Assembled(Tangent::new(all, pattern, diagonal));
-    let snes = Snes::new(petsc, "", matrix, &setup)?;
+    let snes = Snes::new(petsc, prefix, matrix, &setup)?;
     Ok(System { snes, form, diagonal, saddle: None, rows })
 }
 

@@ -1,8 +1,11 @@
 //! The state of a run between two steps: what it takes to go on as if nothing had happened.
 
+use std::rc::Rc;
+
 use serde::{Deserialize, Serialize};
 
 use super::energy::Energy;
+use super::flow::FluidBalance;
 use super::stepping::{Accepted, Stepper};
 use crate::comm::Rows;
 use crate::error::{Error, Result};
@@ -17,6 +20,10 @@ pub struct StepState {
     pub step: Option<f64>,
     /// Energies: elastic, dissipated, external (J).
     pub energy: [f64; 3],
+    /// With flow: work of the fluid on the skeleton (J), fluid in, out and stored (kg), and the largest
+    /// nodal magnitude of its balance (m3).
+    #[serde(default)]
+    pub fluid: [f64; 5],
     /// 2-norm of the out-of-balance forces (N).
     pub residual_norm: f64,
     /// Largest nodal force scale (N) and displacement (m) of the accepted states.
@@ -37,7 +44,8 @@ pub struct StepState {
 pub struct State {
     /// What is not a field.
     pub step: StepState,
-    /// By node: displacement (m), then the force of supports and loads (N), by component.
+    /// By node: displacement (m), then the force of supports and loads (N), by component; with flow the
+    /// pore pressure (Pa), 0 where there is none.
     pub nodal: Rows,
     /// By secondary node: history (m), then energy dissipated per area (J/m2).
     pub interface: Rows,
@@ -69,12 +77,15 @@ impl Stepper<'_> {
         let (problem, all) = (&self.problem, &self.problem.all);
         let dim = all.dim;
         let names: Vec<u64> = all.nodes.names[..all.nodes.owned].to_vec();
-        let mut values = Vec::with_capacity(names.len() * 2 * dim);
+        let pressure = self.coupling.as_ref().map(|coupling| coupling.flow.at_corners(all));
+        let width = 2 * dim + usize::from(pressure.is_some());
+        let mut values = Vec::with_capacity(names.len() * width);
         let rows = self.work.displacement.chunks_exact(dim).zip(self.work.force.chunks_exact(dim));
-        for (displacement, force) in rows {
+        for (node, (displacement, force)) in rows.enumerate() {
             values.extend(displacement.iter().chain(force));
+            values.extend(pressure.iter().map(|pressure| pressure[node]));
         }
-        let nodal = Rows { width: 2 * dim, names, values };
+        let nodal = Rows { width, names, values };
         let interfaces = &problem.interfaces;
         let owned = &all.secondary[..all.owned_secondary()];
         let mut rows: Vec<(u64, [f64; 2])> = owned
@@ -91,12 +102,16 @@ impl Stepper<'_> {
             names: rows.iter().map(|row| row.0).collect(),
             values: rows.iter().flat_map(|row| row.1).collect(),
         };
-        let Energy { elastic, dissipated, external } = self.energy;
+        let Energy { elastic, dissipated, external, fluid } = self.energy;
         let Accepted { newton_iterations, linear_iterations, steps, .. } = self.since_instant;
         let step = StepState {
             time: self.time,
             step: self.step.is_finite().then_some(self.step),
             energy: [elastic, dissipated, external],
+            fluid: self.coupling.as_ref().map_or([0.0; 5], |coupling| {
+                let FluidBalance { inflow, outflow, stored } = coupling.flow.balance;
+                [fluid, inflow, outflow, stored, coupling.flow.accepted_scale()]
+            }),
             residual_norm: problem.residual_norm,
             scales: problem.convergence.accepted_scales(),
             load_factor: problem.path.as_ref().map(|path| path.accepted_factor()),
@@ -122,7 +137,7 @@ impl Stepper<'_> {
         let rows: Option<Vec<Vec<f64>>> = rows.into_iter().collect();
         let rows = comm.agree(rows.ok_or_else(absent))?;
         self.work.displacement = rows.iter().flat_map(|row| &row[..dim]).copied().collect();
-        self.work.force = rows.iter().flat_map(|row| &row[dim..]).copied().collect();
+        self.work.force = rows.iter().flat_map(|row| &row[dim..2 * dim]).copied().collect();
         let secondary: Vec<u64> = problem.all.secondary[..problem.all.owned_secondary()]
             .iter()
             .map(|rows| problem.all.nodes.names[rows.node as usize])
@@ -138,8 +153,9 @@ impl Stepper<'_> {
             path.resume(factor);
         }
         self.x.write()?[..self.work.displacement.len()].copy_from_slice(&self.work.displacement);
+        self.resume_flow(nodal, step.fluid)?;
         let [elastic, dissipated, external] = step.energy;
-        self.energy = Energy { elastic, dissipated, external };
+        self.energy = Energy { elastic, dissipated, external, fluid: step.fluid[0] };
         self.work.total = external;
         self.time = step.time;
         self.step = step.step.unwrap_or(f64::INFINITY);
@@ -149,6 +165,35 @@ impl Stepper<'_> {
             Accepted { newton_iterations, linear_iterations, steps, ..Accepted::default() };
         self.since_instant = counts;
         self.earlier = step;
+        Ok(())
+    }
+    /// Goes on from the pressures among `nodal` rows in slabs; the displacements are those of `self.x`.
+    /// Collective.
+    fn resume_flow(&mut self, nodal: &Rows, fluid: [f64; 5]) -> Result<()> {
+        let Some(coupling) = &mut self.coupling else { return Ok(()) };
+        let problem = &mut self.problem;
+        let (comm, all) = (problem.comm, Rc::clone(&problem.all));
+        let flow = &mut coupling.flow;
+        let rows = comm.from_slabs(all.nodes.total, nodal, &flow.space.displacement_names);
+        let last = |row: Option<Vec<f64>>| row.and_then(|row| row.last().copied());
+        let pressures: Option<Vec<f64>> = rows.into_iter().map(last).collect();
+        let absent = || Error::Input("the checkpoint lacks a pressure of this mesh".into());
+        let pressures = comm.agree(pressures.ok_or_else(absent))?;
+        let displacements = self.work.displacement.len();
+        problem.displacement[..displacements].copy_from_slice(&self.work.displacement);
+        all.nodes.update_ghosts(&mut problem.displacement, all.dim);
+        let [work, inflow, outflow, stored, scale] = fluid;
+        let balance = FluidBalance { inflow, outflow, stored };
+        flow.resume(problem, &pressures, (balance, scale));
+        for (x, p) in self.x.write()?[displacements..].iter_mut().zip(&pressures) {
+            *x = p / flow.scale;
+        }
+        let mut force = vec![0.0; all.nodes.len() * all.dim];
+        flow.add_forces(&all, &mut force);
+        all.nodes.add_to_owners(&mut force, all.dim);
+        force.truncate(displacements);
+        self.work.pore_force = force;
+        self.work.of_fluid = work;
         Ok(())
     }
 }

@@ -8,6 +8,7 @@ pub use branching::Bifurcation;
 
 use std::time::{Duration, Instant};
 
+use super::coupled::{CoupledSystem, Coupling};
 use super::energy::{Energy, Work};
 use super::problem::Problem;
 use super::saddle::{SaddlePoint, SaddleSystem};
@@ -47,6 +48,8 @@ pub struct Stepper<'a> {
     pub(super) case: &'a Case,
     /// Set in the saddle-point form.
     saddle: Option<SaddlePoint>,
+    /// Set where the pore pressure is computed.
+    pub coupling: Option<Coupling>,
     /// The unknowns, the displacements first.
     pub(super) x: Vector,
     prescribed: Prescribed,
@@ -80,7 +83,7 @@ impl<'a> Stepper<'a> {
         case: &'a Case,
         problem: Problem<'a>,
         snes: Snes,
-        saddle: Option<SaddlePoint>,
+        (saddle, coupling): (Option<SaddlePoint>, Option<Coupling>),
         x: Vector,
         prescribed: Prescribed,
     ) -> Self {
@@ -95,6 +98,7 @@ impl<'a> Stepper<'a> {
             snes,
             case,
             saddle,
+            coupling,
             x,
             prescribed,
             breakpoints,
@@ -228,6 +232,9 @@ impl<'a> Stepper<'a> {
             self.solve_path(target)?
         } else {
             self.problem.set_load(target)?;
+            if let Some(coupling) = &mut self.coupling {
+                coupling.flow.start_step(self.problem.comm, self.time, target)?;
+            }
             let written = self.write_prescribed(target);
             self.problem.comm.agree(written)?;
             self.solve()?
@@ -261,6 +268,9 @@ impl<'a> Stepper<'a> {
     fn solve(&mut self) -> Result<SolveReport> {
         self.problem.convergence.start();
         let problem = &mut self.problem;
+        if let Some(coupling) = &mut self.coupling {
+            return self.snes.solve(&mut CoupledSystem { problem, coupling }, &mut self.x);
+        }
         let Some(form) = &mut self.saddle else { return self.snes.solve(problem, &mut self.x) };
         form.start(problem, &mut self.x)?;
         self.snes.solve(&mut SaddleSystem { problem, form }, &mut self.x)
@@ -274,7 +284,12 @@ impl<'a> Stepper<'a> {
             let value = |entry| self.prescribed.value(entry, component, name, time);
             x[node * self.problem.all.dim + component] = entry.map_or(Ok(0.0), value)?;
             Ok(())
-        })
+        })?;
+        let displacements = self.problem.all.nodes.owned * self.problem.all.dim;
+        match &self.coupling {
+            Some(coupling) => coupling.flow.write_prescribed(time, &mut x[displacements..]),
+            None => Ok(()),
+        }
     }
 
     fn accept(&mut self, time: f64) {
@@ -284,6 +299,9 @@ impl<'a> Stepper<'a> {
         }
         self.problem.convergence.accept(self.problem.comm);
         self.problem.interfaces.commit(&self.problem.all);
+        if let Some(Coupling { flow, .. }) = &mut self.coupling {
+            flow.accept(self.problem.comm, &self.problem.all, &self.problem.displacement);
+        }
         self.energy = self.work.accept(&self.problem);
     }
 

@@ -6,7 +6,9 @@
 mod directory;
 mod nodes;
 mod prescribed;
+mod pressure;
 
 pub use directory::Directory;
 pub use nodes::Nodes;
 pub use prescribed::{AtNode, Prescribed};
+pub use pressure::{Place, PrescribedPressure};

@@ -28,6 +28,15 @@ impl Snes {
         x: &[f64],
     ) -> Result<TangentAt<'_>> {
         let change = system.tangent(x, &mut self.matrix)?;
+        self.set_up(change)
+    }
+
+    /// Sets up the preconditioner or the factors of the matrix as it is, after a `change` of it.
+    /// Collective.
+    ///
+    /// # Errors
+    /// `Numerics` when the set-up fails; `System` when PETSc fails.
+    pub fn set_up(&mut self, change: TangentChange) -> Result<TangentAt<'_>> {
         let (ksp, matrix) = (self.ksp.raw(), self.matrix.raw());
         let keep = change == TangentChange::Unchanged
             || change == TangentChange::ChangedKeepPreconditioner && self.ksp.is_iterative()?;
@@ -40,7 +49,7 @@ impl Snes {
         }
         if let Some(infog) = self.ksp.mumps_infog(1)?.filter(|infog| *infog < 0) {
             return Err(Error::Numerics(format!(
-                "the tangent could not be factored for the test of stability: MUMPS INFOG(1) = {infog}"
+                "the tangent could not be factored: MUMPS INFOG(1) = {infog}"
             )));
         }
         // INFOG(12) of L D L^T: pivots below zero.
@@ -50,6 +59,20 @@ impl Snes {
         let from = self.residual.duplicate()?;
         let to = self.residual.duplicate()?;
         Ok(TangentAt { snes: self, from, to, negative_pivots })
+    }
+
+    /// Applies the preconditioner or the factors that [`Snes::set_up`] has made. Collective.
+    ///
+    /// # Errors
+    /// `Bug` when a length does not fit; `System` when PETSc fails.
+    pub fn apply_preconditioner(&self, from: &Vector, to: &mut Vector) -> Result<()> {
+        let rows = self.matrix.owned_rows();
+        if from.owned() != rows || to.owned() != rows {
+            return Err(Error::Bug(format!("a preconditioner of {rows} rows for other vectors")));
+        }
+        let pc = self.ksp.pc()?;
+        // SAFETY: a preconditioner that is set up, and two different valid vectors of its layout.
+        check(unsafe { ffi::PCApply(pc, from.raw(), to.raw()) }, "PCApply")
     }
 }
 
@@ -70,9 +93,7 @@ impl TangentAt<'_> {
     /// `System` when PETSc fails.
     pub fn precondition(&mut self, r: &[f64]) -> Result<Vec<f64>> {
         self.from.write()?.copy_from_slice(r);
-        let pc = self.snes.ksp.pc()?;
-        // SAFETY: a preconditioner that is set up, and two different valid vectors of its layout.
-        check(unsafe { ffi::PCApply(pc, self.from.raw(), self.to.raw()) }, "PCApply")?;
+        self.snes.apply_preconditioner(&self.from, &mut self.to)?;
         Ok(self.to.read()?.to_vec())
     }
 }

@@ -98,7 +98,8 @@ impl Stepper<'_> {
             Stability::Off => false,
             Stability::Auto => alarm && self.saddle.is_none(),
             Stability::Warn | Stability::Stop | Stability::Follow => true,
-        } && problem.path.is_none();
+        } && problem.path.is_none()
+            && self.coupling.is_none();
         let softening = problem.interfaces.response.iter().any(softens);
         if !tested || !problem.comm.any(softening) {
             return Ok(None);

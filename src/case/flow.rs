@@ -1,0 +1,218 @@
+//! Flow in the pores: whether the case needs it, and what it consists of.
+
+use super::boundary::{BoundarySpec, Surface};
+use super::check::Checker;
+use super::file::{CaseFile, Physics};
+use super::material::Material;
+use super::solver::{Form, Stability};
+use super::value::Value;
+use super::{InterfaceSpec, PhysicsDecision};
+use crate::error::number_text;
+
+/// Flow of the fluid in the pores.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlowSpec {
+    /// Weight of the end of a step, 0.5 to 1.
+    pub theta: f64,
+    /// Pore pressure at the start (Pa).
+    pub initial: Value,
+    /// Whether each node stores the fluid of its share of a cell by its own pressure.
+    pub lumped: bool,
+}
+
+/// What the case says of pressures and fluxes.
+struct Given<'a> {
+    porous: Vec<&'a str>,
+    initial: Option<Value>,
+    /// Whether the pressure of every node is prescribed as 0.
+    known: bool,
+    /// Path of the first entry that makes a pressure other than 0.
+    acts: Option<String>,
+}
+
+impl Checker<'_> {
+    /// What is computed, and the flow if it is.
+    pub(super) fn physics(
+        &mut self,
+        file: &CaseFile,
+        materials: &[Material],
+        interfaces: &[InterfaceSpec],
+        boundary: &[BoundarySpec],
+    ) -> (PhysicsDecision, Option<FlowSpec>) {
+        let given = self.given(file, materials, interfaces, boundary);
+        let theta = file.time.theta.unwrap_or(1.0);
+        if !(0.5..=1.0).contains(&theta) {
+            let reason = format!("must lie in [0.5, 1], got {}", number_text(theta));
+            self.add("time.theta", reason);
+        }
+        self.gravity(file, materials);
+        if !self.sound(&["physics", "materials", "boundary", "initial", "interfaces"]) {
+            return (PhysicsDecision::Mechanics, None);
+        }
+        let needs_flow = match file.physics {
+            Physics::HydroMechanics => true,
+            Physics::Mechanics => false,
+            Physics::Auto => !given.porous.is_empty() && (!given.known || given.acts.is_some()),
+        };
+        if !needs_flow {
+            self.leave_out(file, &given);
+            return (PhysicsDecision::Mechanics, None);
+        }
+        if given.porous.is_empty() {
+            self.add("physics", "hydro_mechanics needs a material with porous data");
+        }
+        self.pressures_on_pores(materials, boundary);
+        self.one_fluid(materials);
+        self.beside_flow(file);
+        let initial = given.initial.unwrap_or(Value::Constant(0.0));
+        let flow = FlowSpec { theta, initial, lumped: file.solver.lumped_storage };
+        (PhysicsDecision::HydroMechanics, Some(flow))
+    }
+
+    fn given<'a>(
+        &mut self,
+        file: &CaseFile,
+        materials: &'a [Material],
+        interfaces: &[InterfaceSpec],
+        boundary: &[BoundarySpec],
+    ) -> Given<'a> {
+        let porous = materials.iter().filter(|material| material.porous.is_some());
+        let porous = porous.map(|material| material.name.as_str()).collect();
+        let initial = file.initial.as_ref().and_then(|initial| initial.pressure.as_ref());
+        let initial = initial.map(|pressure| self.value("initial.pressure", pressure));
+        let is_known = |b: &BoundarySpec| b.on == Surface::All && b.pressure.is_some();
+        let known = boundary.iter().any(is_known);
+        let mut acts = None;
+        for (index, entry) in boundary.iter().enumerate() {
+            for (key, value) in [("pressure", &entry.pressure), ("flux", &entry.flux)] {
+                if value.as_ref().is_some_and(|value| !value.is_zero()) {
+                    acts.get_or_insert_with(|| format!("boundary.{index}.{key}"));
+                }
+            }
+        }
+        for (index, interface) in interfaces.iter().enumerate() {
+            if interface.connected {
+                acts.get_or_insert_with(|| format!("interfaces.{index}.fluid.connected"));
+            }
+        }
+        if initial.as_ref().is_some_and(|initial| !initial.is_zero()) {
+            acts.get_or_insert_with(|| "initial.pressure".to_owned());
+        }
+        Given { porous, initial, known, acts }
+    }
+
+    /// Says why the pore pressure is left out, or refuses to.
+    fn leave_out(&mut self, file: &CaseFile, given: &Given<'_>) {
+        if let Some(path) = &given.acts {
+            let reason = if given.porous.is_empty() {
+                "acts on pores, but no material is porous"
+            } else {
+                "needs physics: hydro_mechanics or auto"
+            };
+            self.add(path, reason);
+            return;
+        }
+        let data = match &given.porous[..] {
+            [] => String::new(),
+            names => format!(", and the porous data of {} with it", names.join(", ")),
+        };
+        if given.known {
+            self.left_out.push(format!(
+                "Pore pressure and flow are left out{data}: the pressure is prescribed as 0 on all \
+                 nodes, so it changes nothing."
+            ));
+        } else if file.physics == Physics::Mechanics && !given.porous.is_empty() {
+            self.left_out.push(format!(
+                "Pore pressure and flow are left out{data}: the case asks for mechanics."
+            ));
+        } else if given.initial.is_some() || file.boundary.iter().any(|e| e.pressure.is_some()) {
+            self.left_out.push(
+                "Pore pressure is left out: it is 0 wherever it is prescribed and no material is \
+                 porous."
+                    .to_owned(),
+            );
+        }
+    }
+
+    /// Pressures and fluxes act where there are pores.
+    fn pressures_on_pores(&mut self, materials: &[Material], boundary: &[BoundarySpec]) {
+        for (index, entry) in boundary.iter().enumerate() {
+            let acting = [("pressure", &entry.pressure), ("flux", &entry.flux)];
+            let Some((key, _)) = acting.iter().find(|(_, value)| value.is_some()) else { continue };
+            let touched = match entry.on {
+                Surface::Bottom => &materials[..1.min(materials.len())],
+                Surface::Top => &materials[materials.len().saturating_sub(1)..],
+                _ => materials,
+            };
+            if !touched.is_empty() && touched.iter().all(|material| material.porous.is_none()) {
+                let names: Vec<&str> = touched.iter().map(|m| m.name.as_str()).collect();
+                let reason = format!(
+                    "acts on {}, which has no porous data (materials.{}.porous)",
+                    names.join(", "),
+                    names[0]
+                );
+                self.add(&format!("boundary.{index}.{key}"), reason);
+            }
+        }
+    }
+
+    /// One fluid fills all pores.
+    fn one_fluid(&mut self, materials: &[Material]) {
+        let mut all = materials.iter().filter_map(|m| Some((m, m.porous.as_ref()?)));
+        let Some((first, one)) = all.next() else { return };
+        for (material, other) in all {
+            let pairs = [
+                ("fluid_density", one.fluid_density, other.fluid_density),
+                ("fluid_compressibility", one.fluid_compressibility, other.fluid_compressibility),
+                ("reference_pressure", one.reference_pressure, other.reference_pressure),
+            ];
+            for (key, a, b) in pairs.iter().filter(|(_, a, b)| a != b) {
+                let reason = format!(
+                    "is {}, but {} in {}: one fluid fills all pores",
+                    number_text(*b),
+                    number_text(*a),
+                    first.name
+                );
+                self.add(&format!("materials.{}.porous.{key}", material.name), reason);
+            }
+        }
+    }
+
+    /// What cannot stand beside flow.
+    fn beside_flow(&mut self, file: &CaseFile) {
+        if file.control.is_some() {
+            self.add("control", "cannot stand beside flow, which depends on time");
+        }
+        if file.solver.form == Form::SaddlePoint {
+            self.add("solver.form", "saddle_point knows no pore pressure; take condensed");
+        }
+        match file.solver.stability {
+            Stability::Warn | Stability::Stop | Stability::Follow => {
+                let reason = "must be auto or off with flow: states with flow have no energy to test";
+                self.add("solver.stability", reason);
+            }
+            Stability::Auto => self.left_out.push(
+                "The test of stability is left out: states with flow have no energy to test."
+                    .to_owned(),
+            ),
+            Stability::Off => {}
+        }
+    }
+
+    /// Gravity acts on the density of the saturated medium.
+    fn gravity(&mut self, file: &CaseFile, materials: &[Material]) {
+        let Some(gravity) = &file.gravity else { return };
+        if gravity.len() != self.dim && self.sound(&["mesh"]) {
+            let reason = format!("must have {} entries, got {}", self.dim, gravity.len());
+            self.add("gravity", reason);
+        }
+        if gravity.iter().all(|component| *component == 0.0) {
+            self.left_out.push("Gravity is left out: it is 0.".to_owned());
+            return;
+        }
+        for material in materials.iter().filter(|material| material.porous.is_none()) {
+            let reason = "is missing: gravity acts on the density that stands there";
+            self.add(&format!("materials.{}.porous", material.name), reason);
+        }
+    }
+}

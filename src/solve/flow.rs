@@ -1,0 +1,295 @@
+//! The pore pressure and its history: the balance of the fluid from one accepted state to the next.
+//!
+//! Masses are divided by the reference density of the fluid, as in [`crate::bulk::PorousCell`].
+
+use std::rc::Rc;
+
+use super::Problem;
+use crate::assembly::{Discretization, PoreSpace};
+use crate::bulk::{FlowStep, Loads};
+use crate::comm::Comm;
+use crate::error::Result;
+use crate::space::{Place, PrescribedPressure};
+
+/// Fluid that came in, went out and is stored beyond what the undeformed state held (kg; 2D: per metre
+/// of thickness).
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct FluidBalance {
+    /// Through prescribed pressures and fluxes, since the start.
+    pub inflow: f64,
+    /// Likewise, counted positive.
+    pub outflow: f64,
+    /// In the pores, since the start.
+    pub stored: f64,
+}
+
+/// Pressure, time step and accounts of one rank.
+pub struct Flow {
+    /// Nodes and cells.
+    pub space: Rc<PoreSpace>,
+    prescribed: PrescribedPressure,
+    /// Mass flux through the surfaces (kg/m2/s).
+    inflow: Loads,
+    /// Density of the fluid at the reference pressure (kg/m3).
+    density: f64,
+    gravity: [f64; 3],
+    theta: f64,
+    lumped: bool,
+    /// Unknowns are pressures over this (Pa/m): their rows then have the unit and the size of those of
+    /// the displacements.
+    pub scale: f64,
+    /// The running step.
+    pub step: FlowStep,
+    start: f64,
+    target: f64,
+    /// Pressure of all local nodes at the state that was evaluated last (Pa).
+    pub pressure: Vec<f64>,
+    /// At the last accepted state: pressure (Pa), stored fluid (m3) and flow (m3/s) of this rank's
+    /// cells at all local nodes, not summed.
+    before: [Vec<f64>; 3],
+    /// Inflow of this rank's facets at the two ends of the step (m3/s), not summed.
+    source: [Vec<f64>; 2],
+    /// Largest nodal magnitude of the balance of the accepted states and of the last one (m3).
+    scales: [f64; 2],
+    /// Fluid stored at the start (m3).
+    initial: f64,
+    /// Accounts up to the last accepted state.
+    pub balance: FluidBalance,
+    /// Mean rate in the last step into the lower and the upper side of each interface (kg/s).
+    pub into_sides: Vec<[f64; 2]>,
+}
+
+impl Flow {
+    /// The initial pressures of all local nodes are `initial`.
+    #[allow(clippy::too_many_arguments)] // every part is built by a stage of its own
+    pub fn new(
+        space: Rc<PoreSpace>,
+        prescribed: PrescribedPressure,
+        inflow: Loads,
+        (density, gravity): (f64, [f64; 3]),
+        (theta, lumped): (f64, bool),
+        scale: f64,
+        interfaces: usize,
+        initial: Vec<f64>,
+    ) -> Self {
+        let none = || vec![0.0; space.nodes.len()];
+        let step = FlowStep { length: 0.0, theta, gravity, lumped };
+        Self {
+            before: [initial.clone(), none(), none()],
+            source: [none(), none()],
+            pressure: initial,
+            space,
+            prescribed,
+            inflow,
+            density,
+            gravity,
+            theta,
+            lumped,
+            scale,
+            step,
+            start: 0.0,
+            target: 0.0,
+            scales: [0.0; 2],
+            initial: 0.0,
+            balance: FluidBalance::default(),
+            into_sides: vec![[0.0; 2]; interfaces],
+        }
+    }
+
+    /// Makes displacements `u` of all local nodes and the present pressures the state from which the
+    /// next step starts. Collective.
+    pub fn begin(&mut self, comm: &Comm, all: &Discretization, u: &[f64]) {
+        self.keep(all, u);
+        let stored = self.total_stored(comm);
+        self.initial = stored - self.balance.stored / self.density;
+    }
+
+    fn total_stored(&self, comm: &Comm) -> f64 {
+        let mut sum = [self.before[1].iter().sum::<f64>()];
+        comm.sum(&mut sum);
+        sum[0]
+    }
+
+    fn keep(&mut self, all: &Discretization, u: &[f64]) {
+        let [before, stored, flow] = &mut self.before;
+        before.copy_from_slice(&self.pressure);
+        stored.fill(0.0);
+        self.space.add_stored(all, (u, &self.pressure), self.lumped, stored);
+        flow.fill(0.0);
+        self.space.add_flow(all, &self.pressure, &self.gravity, flow);
+    }
+
+    /// Starts a step from `start` to `target`. Collective.
+    ///
+    /// # Errors
+    /// `Input` when a formula gives no finite number.
+    pub fn start_step(&mut self, comm: &Comm, start: f64, target: f64) -> Result<()> {
+        (self.start, self.target) = (start, target);
+        self.step.length = target - start;
+        let (nodes, density) = (&self.space.nodes, self.density);
+        for (time, source) in [start, target].into_iter().zip(&mut self.source) {
+            source.fill(0.0);
+            let added = self.inflow.add(time, |name, _, mass| {
+                if let Some(node) = nodes.local(name) {
+                    source[node as usize] += mass / density;
+                }
+            });
+            comm.agree(added)?;
+        }
+        Ok(())
+    }
+
+    /// Writes the prescribed pressures at `time` into `x`, the scaled pressures of owned nodes. Local.
+    ///
+    /// # Errors
+    /// `Input` when a formula gives no finite number.
+    pub fn write_prescribed(&self, time: f64, x: &mut [f64]) -> Result<()> {
+        for (node, x) in x.iter_mut().enumerate() {
+            let name = self.space.nodes.names[node];
+            if let Some(entry) = self.prescribed.entry_of(name) {
+                *x = self.prescribed.value(entry, name, time)? / self.scale;
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the scaled pressures `x` of owned nodes for the state that is evaluated. Collective.
+    pub fn take(&mut self, x: &[f64]) {
+        let pairs = self.pressure.iter_mut().zip(x);
+        pairs.for_each(|(p, x)| *p = self.scale * x);
+        self.space.nodes.update_ghosts(&mut self.pressure, 1);
+    }
+
+    /// Forces of the pressure on the local displacement nodes, not summed (N). Local.
+    pub fn add_forces(&self, all: &Discretization, force: &mut [f64]) {
+        self.space.add_forces(all, &self.pressure, true, force);
+    }
+
+    /// The balance of the step at all local nodes, not summed, and the magnitudes of its parts (m3).
+    fn rows(&self, all: &Discretization, u: &[f64], every: bool) -> [Vec<f64>; 2] {
+        let [before, stored, flow] = &self.before;
+        let (mut rows, mut sizes) = (vec![0.0; before.len()], vec![0.0; before.len()]);
+        let state = (u, &self.pressure[..], &before[..]);
+        self.space.add_balance(all, state, &self.step, every, (&mut rows, &mut sizes));
+        let earlier = (1.0 - self.theta) * self.step.length;
+        let ends = [earlier, self.theta * self.step.length];
+        for (i, row) in rows.iter_mut().enumerate() {
+            let source: f64 = ends.iter().zip(&self.source).map(|(part, s)| part * s[i]).sum();
+            *row += earlier * flow[i] - stored[i] - source;
+            sizes[i] += source.abs();
+        }
+        [rows, sizes]
+    }
+
+    /// The residual of the last state: of what is missing at each owned node, in the unit of a force (N).
+    /// `known` are displacements that the linear solve does not find. Returns how much is missing
+    /// at most over the largest magnitude. Collective.
+    pub fn residual(
+        &mut self,
+        comm: &Comm,
+        all: &Discretization,
+        (u, known): (&[f64], &[f64]),
+        diagonal: f64,
+        f: &mut [f64],
+    ) -> f64 {
+        let [mut rows, mut sizes] = self.rows(all, u, false);
+        self.space.fold(&mut rows);
+        self.space.nodes.add_to_owners(&mut sizes, 1);
+        let largest = |of: &[f64]| of.iter().fold(0.0_f64, |m, v| if v.is_nan() { f64::INFINITY } else { m.max(v.abs()) });
+        let owned = f.len();
+        let mut free = sizes;
+        self.space.for_identity_rows(|node| free[node] = 0.0);
+        let mut worst = [largest(&rows[..owned]), largest(&free[..owned])];
+        comm.max(&mut worst);
+        self.scales[1] = worst[1];
+        let scale = worst[1].max(self.scales[0]);
+        let mut followed = vec![0.0; rows.len()];
+        self.space.add_volumes(all, known, &mut followed);
+        self.space.fold(&mut followed);
+        for ((f, row), followed) in f.iter_mut().zip(&rows).zip(&followed) {
+            *f = self.scale * (followed - row);
+        }
+        for (node, others) in self.space.followers.iter().filter(|f| (f.0 as usize) < owned) {
+            let led: f64 = others.iter().map(|(n, c)| c * self.pressure[*n as usize]).sum();
+            f[*node as usize] = diagonal * (self.pressure[*node as usize] - led) / self.scale;
+        }
+        if worst[0] == 0.0 { 0.0 } else { worst[0] / scale }
+    }
+
+    /// The largest magnitude of the balance in the unit of a force (N). Local: the same on all ranks.
+    pub fn force_scale(&self) -> f64 {
+        self.scale * self.scales[0].max(self.scales[1])
+    }
+
+    /// Largest magnitude of the balance at the accepted states (m3), for a run that goes on.
+    pub fn accepted_scale(&self) -> f64 {
+        self.scales[0]
+    }
+
+    /// Makes the state that was evaluated last an accepted one: `u` are its displacements at all local
+    /// nodes. Collective.
+    pub fn accept(&mut self, comm: &Comm, all: &Discretization, u: &[f64]) {
+        self.scales[0] = self.scales[0].max(self.scales[1]);
+        let [mut rows, _] = self.rows(all, u, true);
+        self.space.nodes.add_to_owners(&mut rows, 1);
+        let mut sums = vec![0.0; 3 + 2 * self.into_sides.len()];
+        let ends = [(1.0 - self.theta) * self.step.length, self.theta * self.step.length];
+        for (part, source) in ends.iter().zip(&self.source) {
+            for s in source {
+                sums[if *s > 0.0 { 0 } else { 1 }] += self.density * part * s.abs();
+            }
+        }
+        for node in (0..self.space.nodes.owned).filter(|n| self.space.prescribed[*n]) {
+            let name = self.space.nodes.names[node];
+            let mass = self.density * rows[node];
+            sums[if mass > 0.0 { 0 } else { 1 }] += mass.abs();
+            let entry = self.prescribed.entry_of(name).map(|entry| self.prescribed.place(entry));
+            if let Some(Place::Lips(index)) = entry {
+                let upper = usize::from(self.prescribed.is_upper_lip(index, name));
+                sums[3 + 2 * index + upper] += mass / self.step.length;
+            }
+        }
+        self.keep(all, u);
+        sums[2] = self.before[1].iter().sum();
+        comm.sum(&mut sums);
+        self.balance.inflow += sums[0];
+        self.balance.outflow += sums[1];
+        self.balance.stored = self.density * (sums[2] - self.initial);
+        for (into, sums) in self.into_sides.iter_mut().zip(sums[3..].chunks_exact(2)) {
+            into.copy_from_slice(sums);
+        }
+    }
+
+    /// Pressure of the last state at every owned displacement node that is a corner of a porous cell
+    /// (Pa); 0 at others. Collective.
+    pub fn at_corners(&self, all: &Discretization) -> Vec<f64> {
+        let mut at = vec![0.0; all.nodes.len()];
+        for cell in &self.space.cells {
+            let nodes = all.cells.nodes(cell.cell as usize);
+            for (node, own) in nodes.iter().zip(&cell.nodes[..1 << all.dim]) {
+                if (*own as usize) < self.space.nodes.owned {
+                    at[*node as usize] = self.pressure[*own as usize];
+                }
+            }
+        }
+        // The owner of the displacement need not be that of the pressure: only this one sends.
+        all.nodes.add_to_owners(&mut at, 1);
+        at.truncate(all.nodes.owned);
+        at
+    }
+
+    /// Goes on from an accepted state of an earlier run: the pressures of owned nodes, the accounts and
+    /// the scale. Collective.
+    pub fn resume(
+        &mut self,
+        problem: &Problem<'_>,
+        owned: &[f64],
+        (balance, scale): (FluidBalance, f64),
+    ) {
+        self.pressure[..owned.len()].copy_from_slice(owned);
+        self.space.nodes.update_ghosts(&mut self.pressure, 1);
+        self.balance = balance;
+        self.scales[0] = scale;
+        self.begin(problem.comm, &problem.all, &problem.displacement);
+    }
+}

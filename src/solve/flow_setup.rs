@@ -1,0 +1,181 @@
+//! From a case and this rank's cells to the coupled problem.
+
+use std::rc::Rc;
+
+use super::coupled::{Blocks, Coupling};
+use super::flow::Flow;
+use crate::assembly::{Discretization, PoreCell, PoreSpace, TangentOperator};
+use crate::bulk::{Loads, MAX_CORNERS, PorousCell, PorousMedium};
+use crate::case::{Case, FlowSpec};
+use crate::comm::Comm;
+use crate::error::{Error, Result};
+use crate::mesh::{LocalMesh, NodePlace, axes};
+use crate::petsc::{KspSetup, Matrix, Snes};
+use crate::runtime::Runtime;
+use crate::space::{AtNode, Directory, Nodes, PrescribedPressure};
+
+/// Prefix of PETSc options of the solver of the mechanical block.
+pub const MECHANICS: &str = "mechanics_";
+/// Prefix of PETSc options of the solver of the block of the pressure.
+const FLOW: &str = "flow_";
+
+/// GMRES over both fields; the preconditioner is ours.
+const COUPLED: &[(&str, &str)] = &[
+    ("ksp_type", "gmres"),
+    ("ksp_pc_side", "right"),
+    ("ksp_gmres_restart", "150"),
+    ("ksp_max_it", "600"),
+    ("pc_type", "shell"),
+];
+
+/// Where every pressure is known the system is symmetric and positive.
+const KNOWN: &[(&str, &str)] = &[("ksp_type", "cg"), ("ksp_max_it", "500"), ("pc_type", "shell")];
+
+/// One V-cycle of BoomerAMG for a scalar field.
+const MULTIGRID: &[(&str, &str)] = &[
+    ("ksp_type", "preonly"),
+    ("pc_type", "hypre"),
+    ("pc_hypre_type", "boomeramg"),
+    ("pc_hypre_boomeramg_strong_threshold", "0.5"),
+];
+
+/// Few pressures are eliminated.
+const ELIMINATION: &[(&str, &str)] = &[
+    ("ksp_type", "preonly"),
+    ("pc_type", "cholesky"),
+    ("pc_factor_mat_solver_type", "mumps"),
+];
+
+/// Up to so many.
+const FEW: u64 = 3000;
+
+/// Adds the pore pressure to a mechanical problem, whose solver becomes a block of the preconditioner:
+/// the solver of both fields, what couples them, and the unknowns of this rank. Collective.
+///
+/// # Errors
+/// `Input` when pressures disagree or a formula gives no finite number; `System` when PETSc fails.
+pub fn couple(
+    runtime: &Runtime,
+    case: &Case,
+    flow: &FlowSpec,
+    (mesh, all): (&LocalMesh, &Rc<Discretization>),
+    (mechanics, tangent): (Snes, Rc<TangentOperator>),
+) -> Result<(Snes, Coupling, usize)> {
+    let (comm, petsc, dim) = (&runtime.comm, &runtime.petsc, case.dim);
+    let corners = LocalMesh::new(&mesh.column.of_first_order(), mesh.cells.clone(), 0);
+    let prescribed = PrescribedPressure::new(case, &corners.column);
+    let space = Rc::new(pore_space(comm, case, mesh, &corners, &prescribed)?);
+    let owned = &space.nodes.names[..space.nodes.owned];
+    AtNode::agree(comm, prescribed.check(owned, &case.load_times()))?;
+    let inflow = Loads::inflow(case, &corners);
+    comm.agree(inflow.check(&case.load_times()))?;
+    let initial = AtNode::agree(comm, initial(case, flow, &corners, &space))?;
+
+    let stiffest = |p: &crate::mesh::Prototype| {
+        let edges = axes(dim).iter().map(|axis| p.size[*axis]);
+        case.materials[p.material].young_modulus / edges.fold(0.0, f64::max)
+    };
+    let mut scale = [mesh.prototypes.iter().map(stiffest).fold(0.0, f64::max)];
+    comm.max(&mut scale);
+    let matrix = space.matrix(comm, petsc)?;
+    let options = if space.nodes.total <= FEW { ELIMINATION } else { MULTIGRID };
+    let solver = Snes::new(petsc, FLOW, matrix, &KspSetup::new(options))?;
+    let solvers = (mechanics, solver);
+    let blocks = Blocks::new(comm, petsc, solvers, tangent, Rc::clone(&space), scale[0])?;
+    let (blocks, rows) = (Rc::new(blocks), all.nodes.owned * dim + space.nodes.owned);
+    let [operator, preconditioner] = Coupling::operators(&blocks);
+    let matrix = Matrix::shell(petsc, rows, rows, 1, operator)?;
+    let options = if blocks.is_coupled() { COUPLED } else { KNOWN };
+    let mut snes = Snes::new(petsc, "", matrix, &KspSetup::new(options))?;
+    snes.precondition_by(preconditioner)?;
+
+    let density = case.materials.iter().find_map(|m| Some(m.porous.as_ref()?.fluid_density));
+    let mut gravity = [0.0; 3];
+    axes(dim).iter().enumerate().for_each(|(c, axis)| gravity[c] = case.gravity[*axis]);
+    let flow = Flow::new(
+        space,
+        prescribed,
+        inflow,
+        (density.unwrap_or(1.0), gravity),
+        (flow.theta, flow.lumped),
+        scale[0],
+        case.interfaces.len(),
+        initial,
+    );
+    Ok((snes, Coupling::new(flow, blocks), rows))
+}
+
+/// Nodes and cells of the pressure; `corners` is the mesh with cells of first order. Collective.
+fn pore_space(
+    comm: &Comm,
+    case: &Case,
+    mesh: &LocalMesh,
+    corners: &LocalMesh,
+    prescribed: &PrescribedPressure,
+) -> Result<PoreSpace> {
+    let dim = case.dim;
+    let mut index = vec![None; mesh.prototypes.len()];
+    let mut prototypes = Vec::new();
+    for (prototype, index) in mesh.prototypes.iter().zip(&mut index) {
+        let material = &case.materials[prototype.material];
+        if let Some(porous) = &material.porous {
+            *index = Some(prototypes.len() as u16);
+            let medium = PorousMedium::new(material, porous, dim);
+            prototypes.push(PorousCell::new(prototype, medium, dim));
+        }
+    }
+    let porous = mesh.cells.iter().zip(&mesh.cell_prototype).enumerate();
+    let porous: Vec<(usize, u64, u16)> = porous
+        .filter_map(|(cell, (name, prototype))| Some((cell, *name, index[*prototype as usize]?)))
+        .collect();
+    let column = &corners.column;
+    let names_of = |name: u64| column.cell_nodes(column.cell_place(name));
+    let mut touched: Vec<u64> = porous.iter().flat_map(|(_, name, _)| names_of(*name)).collect();
+    touched.sort_unstable();
+    touched.dedup();
+    let directory = Directory::new(comm, column.nodes(), &touched);
+    let nodes = Nodes::new(comm, &directory, &touched)?;
+    let cells = porous.iter().map(|(cell, name, prototype)| {
+        let mut of = [0; MAX_CORNERS];
+        for (of, name) in of.iter_mut().zip(names_of(*name)) {
+            *of = nodes.local(name).expect("the nodes of the rank's cells are held");
+        }
+        PoreCell { cell: *cell as u32, prototype: *prototype, nodes: of }
+    });
+    let cells = cells.collect();
+    let displacement_name = |name: &u64| {
+        let NodePlace { body, at } = column.node_place(*name);
+        let order = mesh.column.order(body);
+        mesh.column.node(NodePlace { body, at: at.map(|at| at * order) })
+    };
+    Ok(PoreSpace {
+        dim,
+        cells,
+        prototypes,
+        prescribed: nodes.names.iter().map(|n| prescribed.entry_of(*n).is_some()).collect(),
+        displacement_names: nodes.names[..nodes.owned].iter().map(displacement_name).collect(),
+        followers: Vec::new(),
+        nodes,
+    })
+}
+
+/// The pressures at the start, of all local nodes (Pa).
+fn initial(
+    case: &Case,
+    flow: &FlowSpec,
+    corners: &LocalMesh,
+    space: &PoreSpace,
+) -> std::result::Result<Vec<f64>, AtNode> {
+    let at = |name: &u64| {
+        let [x, y, z] = corners.column.point(*name);
+        let value = flow.initial.at([x, y, z], case.start);
+        let words = || {
+            format!(
+                "initial.pressure is {value} at ({x}, {y}, {z}) m; the formula must give finite \
+                 numbers everywhere"
+            )
+        };
+        if value.is_finite() { Ok(value) } else { Err(AtNode(*name, Error::Input(words()))) }
+    };
+    space.nodes.names.iter().map(at).collect()
+}
