@@ -254,7 +254,8 @@ impl PoreSpace {
             let unknowns: Vec<u32> =
                 held.iter().flat_map(|n| self.unknowns_of(*n)).map(|(n, _)| n).collect();
             for row in &unknowns {
-                lists[*row as usize].extend(unknowns.iter().map(|n| self.nodes.numbers[*n as usize]));
+                lists[*row as usize]
+                    .extend(unknowns.iter().map(|n| self.nodes.numbers[*n as usize]));
             }
         }
         for (node, list) in lists.iter_mut().enumerate().take(self.nodes.owned) {

@@ -310,9 +310,10 @@ impl Checker<'_> {
             }
             below = Some(z);
             self.law(&format!("{path}.law"), &section.law);
-            let fluid_pressure = section.fluid.as_ref().map(|fluid| {
-                self.value(&format!("{path}.fluid.pressure"), &fluid.pressure)
-            });
+            let fluid_pressure = section
+                .fluid
+                .as_ref()
+                .map(|fluid| self.value(&format!("{path}.fluid.pressure"), &fluid.pressure));
             interfaces.push(InterfaceSpec {
                 name: section.name.clone(),
                 z,

@@ -264,6 +264,11 @@ pub(super) struct TimeSection {
     /// Weight of the end of each step of the flow, 0.5 to 1; default: 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub theta: Option<f64>,
+    /// Error of the pore pressure that one step may make, over the largest pressure so far: steps are as
+    /// long as that allows. Default: one step per instant.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
+    pub tolerance: Option<f64>,
 }
 
 /// What the load factor follows from.

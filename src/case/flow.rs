@@ -14,6 +14,8 @@ use crate::error::number_text;
 pub struct FlowSpec {
     /// Weight of the end of a step, 0.5 to 1.
     pub theta: f64,
+    /// Error of the pressure that a step may make, over the largest so far; none: one step per instant.
+    pub tolerance: Option<f64>,
     /// Pore pressure at the start (Pa).
     pub initial: Value,
     /// Whether each node stores the fluid of its share of a cell by its own pressure.
@@ -65,7 +67,8 @@ impl Checker<'_> {
         self.one_fluid(materials);
         self.beside_flow(file);
         let initial = given.initial.unwrap_or(Value::Constant(0.0));
-        let flow = FlowSpec { theta, initial, lumped: file.solver.lumped_storage };
+        let (tolerance, lumped) = (file.time.tolerance, file.solver.lumped_storage);
+        let flow = FlowSpec { theta, tolerance, initial, lumped };
         (PhysicsDecision::HydroMechanics, Some(flow))
     }
 
@@ -188,7 +191,8 @@ impl Checker<'_> {
         }
         match file.solver.stability {
             Stability::Warn | Stability::Stop | Stability::Follow => {
-                let reason = "must be auto or off with flow: states with flow have no energy to test";
+                let reason =
+                    "must be auto or off with flow: states with flow have no energy to test";
                 self.add("solver.stability", reason);
             }
             Stability::Auto => self.left_out.push(

@@ -57,7 +57,9 @@ impl Case {
                 }
             }
             if self.has_flux(interface) {
-                columns.extend(["flux_lower", "flux_upper"].map(|of| format!("{}.{of}", interface.name)));
+                columns.extend(
+                    ["flux_lower", "flux_upper"].map(|of| format!("{}.{of}", interface.name)),
+                );
             }
         }
         for surface in self.supported_surfaces() {
@@ -77,7 +79,8 @@ impl Case {
             columns.push(format!("energy.{energy}"));
         }
         if self.flow.is_some() {
-            columns.extend(["energy.fluid", "mass.in", "mass.out", "mass.stored"].map(str::to_owned));
+            columns
+                .extend(["energy.fluid", "mass.in", "mass.out", "mass.stored"].map(str::to_owned));
         }
         columns
     }

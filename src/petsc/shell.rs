@@ -130,9 +130,8 @@ unsafe extern "C" fn precondition(pc: ffi::PC, x: ffi::Vec, y: ffi::Vec) -> ffi:
     let work = || {
         // SAFETY: PETSc lends a valid preconditioner and two different valid vectors during the call;
         // the context is a boxed `Shared`, which lives as long as the preconditioner.
-        let (operator, x, mut y) = unsafe {
-            (Rc::clone(&*context_of(pc)?), ReadView::new(x)?, WriteView::new(y)?)
-        };
+        let (operator, x, mut y) =
+            unsafe { (Rc::clone(&*context_of(pc)?), ReadView::new(x)?, WriteView::new(y)?) };
         operator.multiply(&x, &mut y);
         Ok(())
     };

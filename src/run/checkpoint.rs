@@ -199,7 +199,8 @@ impl Restart {
         let secondary = comm.sum_u64(all.owned_secondary() as u64);
         let dim = all.dim;
         let fields = if (state.nodes, state.secondary) == (all.nodes.total, secondary) {
-            opened.fields(comm, all.nodes.total, secondary, [2 * dim, 2])
+            let pores = if model.stepper.coupling.is_some() { 2 } else { 0 };
+            opened.fields(comm, all.nodes.total, secondary, [2 * dim + pores, 2])
         } else {
             Err(Error::Input(format!(
                 "cannot go on from {}: it is of a mesh with {} nodes, {} on interfaces, not {} and {}",

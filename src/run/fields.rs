@@ -125,12 +125,59 @@ impl FieldWriter {
                 array("global_cell_id", 1, Values::I64(&mesh.cells)),
             ],
         };
-        let data = Data {
-            points: &[array("displacement", 3, Values::F64(&displacement))],
-            cells: &[array("stress", 6, Values::F64(&stress))],
-        };
+        let mut points = vec![array("displacement", 3, Values::F64(&displacement))];
+        let mut cells = vec![array("stress", 6, Values::F64(&stress))];
+        let pores = PoreFields::new(model, &stress);
+        if let Some(pores) = &pores {
+            points.push(array("pressure", 1, Values::F64(&pores.pressure)));
+            cells = vec![
+                array("stress", 6, Values::F64(&pores.total_stress)),
+                array("effective_stress", 6, Values::F64(&stress)),
+                array("fluid_flux", 3, Values::F64(&pores.flux)),
+                array("porosity", 1, Values::F64(&pores.porosity)),
+            ];
+        }
+        let data = Data { points: &points, cells: &cells };
         let fixed = Fixed { grid: &grid, data: known };
         self.bulk.write(comm, publisher, (step, time), fixed, data)
+    }
+}
+
+/// What flow adds to the bulk; values of cells without pores are 0, their stress has no part in it.
+struct PoreFields {
+    /// At owned nodes (Pa).
+    pressure: Vec<f64>,
+    /// At the centres of cells: stress of skeleton and fluid together (Pa).
+    total_stress: Vec<f64>,
+    /// Mass flux (kg/m2/s).
+    flux: Vec<f64>,
+    porosity: Vec<f64>,
+}
+
+impl PoreFields {
+    /// None without flow. Collective.
+    fn new(model: &Model<'_>, effective_stress: &[f64]) -> Option<Self> {
+        let flow = &model.stepper.coupling.as_ref()?.flow;
+        let problem = &model.stepper.problem;
+        let (all, cells) = (&problem.all, problem.all.cells.len());
+        let mut fields = Self {
+            pressure: flow.at_nodes(all),
+            total_stress: effective_stress.to_vec(),
+            flux: vec![0.0; 3 * cells],
+            porosity: vec![0.0; cells],
+        };
+        for pores in &flow.space.cells {
+            let state = (&problem.displacement[..], &flow.pressure[..]);
+            let (flux, pressure, porosity) = flow.space.at_centre(all, pores, state, &flow.gravity);
+            let cell = pores.cell as usize;
+            let biot = flow.space.prototypes[pores.prototype as usize].medium.biot;
+            for normal in &mut fields.total_stress[6 * cell..][..3] {
+                *normal -= biot * pressure;
+            }
+            fields.flux[3 * cell..][..3].copy_from_slice(&in_space(flux, all.dim));
+            fields.porosity[cell] = porosity;
+        }
+        Some(fields)
     }
 }
 

@@ -5,9 +5,11 @@
 use std::rc::Rc;
 
 use super::Problem;
+use super::pace::Pace;
 use crate::assembly::{Discretization, PoreSpace};
-use crate::bulk::{FlowStep, Loads};
+use crate::bulk::{FlowStep, Loads, MAX_CORNERS};
 use crate::comm::Comm;
+use crate::element::Shape;
 use crate::error::Result;
 use crate::space::{Place, PrescribedPressure};
 
@@ -32,7 +34,8 @@ pub struct Flow {
     inflow: Loads,
     /// Density of the fluid at the reference pressure (kg/m3).
     density: f64,
-    gravity: [f64; 3],
+    /// Acceleration of gravity by component (m/s2).
+    pub gravity: [f64; 3],
     theta: f64,
     lumped: bool,
     /// Unknowns are pressures over this (Pa/m): their rows then have the unit and the size of those of
@@ -53,6 +56,13 @@ pub struct Flow {
     scales: [f64; 2],
     /// Fluid stored at the start (m3).
     initial: f64,
+    /// The lengths of the steps, where they follow from their error.
+    pub pace: Option<Pace>,
+    /// Longest step (s) in which the pressure of some cell would oscillate: of cells of first order, which
+    /// are held back then, and of second order.
+    bounds: [f64; 2],
+    /// What is to be said of steps that were too short, in words.
+    pub remarks: Vec<String>,
     /// Accounts up to the last accepted state.
     pub balance: FluidBalance,
     /// Mean rate in the last step into the lower and the upper side of each interface (kg/s).
@@ -69,6 +79,7 @@ impl Flow {
         (density, gravity): (f64, [f64; 3]),
         (theta, lumped): (f64, bool),
         scale: f64,
+        (pace, bounds): (Option<Pace>, [f64; 2]),
         interfaces: usize,
         initial: Vec<f64>,
     ) -> Self {
@@ -91,6 +102,9 @@ impl Flow {
             target: 0.0,
             scales: [0.0; 2],
             initial: 0.0,
+            pace,
+            bounds,
+            remarks: Vec::new(),
             balance: FluidBalance::default(),
             into_sides: vec![[0.0; 2]; interfaces],
         }
@@ -126,6 +140,7 @@ impl Flow {
     pub fn start_step(&mut self, comm: &Comm, start: f64, target: f64) -> Result<()> {
         (self.start, self.target) = (start, target);
         self.step.length = target - start;
+        self.remark();
         let (nodes, density) = (&self.space.nodes, self.density);
         for (time, source) in [start, target].into_iter().zip(&mut self.source) {
             source.fill(0.0);
@@ -137,6 +152,40 @@ impl Flow {
             comm.agree(added)?;
         }
         Ok(())
+    }
+
+    /// Tells once of each kind of cells whose pressure would oscillate in the running step. Local: the
+    /// same on all ranks.
+    fn remark(&mut self) {
+        let length = self.step.length;
+        for (order, bound) in self.bounds.iter_mut().enumerate().filter(|(_, b)| length < **b) {
+            let what = format!(
+                "a step of {length:.3e} s is shorter than {bound:.3e} s (h^2/(6 theta c_v)), below \
+                 which the pressure beside drained surfaces oscillates"
+            );
+            let remark = if order == 0 {
+                format!("{what}: cells of first order are held back as far as they need it")
+            } else {
+                format!(
+                    "{what} with cells of second order: take mesh.order: 1, longer steps or \
+                     smaller cells there"
+                )
+            };
+            if order == 0 {
+                tracing::info!("  {remark}");
+            } else {
+                tracing::warn!("warning: {remark}");
+            }
+            self.remarks.push(remark);
+            *bound = 0.0;
+        }
+    }
+
+    /// Whether the step to the last state is accurate enough. Collective.
+    pub fn is_accurate(&mut self, comm: &Comm) -> bool {
+        let (owned, length) = (self.space.nodes.owned, self.step.length);
+        let (before, after) = (&self.before[0][..owned], &self.pressure[..owned]);
+        self.pace.as_mut().is_none_or(|pace| pace.accepts(comm, before, after, length))
     }
 
     /// Writes the prescribed pressures at `time` into `x`, the scaled pressures of owned nodes. Local.
@@ -195,7 +244,9 @@ impl Flow {
         let [mut rows, mut sizes] = self.rows(all, u, false);
         self.space.fold(&mut rows);
         self.space.nodes.add_to_owners(&mut sizes, 1);
-        let largest = |of: &[f64]| of.iter().fold(0.0_f64, |m, v| if v.is_nan() { f64::INFINITY } else { m.max(v.abs()) });
+        let largest = |of: &[f64]| {
+            of.iter().fold(0.0_f64, |m, v| if v.is_nan() { f64::INFINITY } else { m.max(v.abs()) })
+        };
         let owned = f.len();
         let mut free = sizes;
         self.space.for_identity_rows(|node| free[node] = 0.0);
@@ -249,6 +300,10 @@ impl Flow {
                 sums[3 + 2 * index + upper] += mass / self.step.length;
             }
         }
+        let owned = self.space.nodes.owned;
+        if let Some(pace) = &mut self.pace {
+            pace.go_on(&self.before[0][..owned], &self.pressure[..owned], self.step.length);
+        }
         self.keep(all, u);
         sums[2] = self.before[1].iter().sum();
         comm.sum(&mut sums);
@@ -260,15 +315,17 @@ impl Flow {
         }
     }
 
-    /// Pressure of the last state at every owned displacement node that is a corner of a porous cell
-    /// (Pa); 0 at others. Collective.
-    pub fn at_corners(&self, all: &Discretization) -> Vec<f64> {
+    /// Values of pressure nodes, the owned ones or none, at every owned displacement node that is a
+    /// corner of a porous cell; 0 at others. Collective.
+    pub fn at_corners(&self, all: &Discretization, values: &[f64]) -> Vec<f64> {
         let mut at = vec![0.0; all.nodes.len()];
         for cell in &self.space.cells {
             let nodes = all.cells.nodes(cell.cell as usize);
             for (node, own) in nodes.iter().zip(&cell.nodes[..1 << all.dim]) {
-                if (*own as usize) < self.space.nodes.owned {
-                    at[*node as usize] = self.pressure[*own as usize];
+                if (*own as usize) < self.space.nodes.owned
+                    && let Some(value) = values.get(*own as usize)
+                {
+                    at[*node as usize] = *value;
                 }
             }
         }
@@ -276,6 +333,29 @@ impl Flow {
         all.nodes.add_to_owners(&mut at, 1);
         at.truncate(all.nodes.owned);
         at
+    }
+
+    /// Pressure of the last state at every owned displacement node of porous cells (Pa), linear between
+    /// the corners of a cell; 0 at others. Collective.
+    pub fn at_nodes(&self, all: &Discretization) -> Vec<f64> {
+        // Value and number of ranks that know it.
+        let mut at = vec![[0.0; 2]; all.nodes.len()];
+        for cell in &self.space.cells {
+            let nodes = all.cells.nodes(cell.cell as usize);
+            let order = if nodes.len() > 1 << all.dim { 2 } else { 1 };
+            let shape = Shape::of(all.dim, order);
+            for (node, xi) in nodes.iter().zip(shape.node_points()) {
+                let mut values = [0.0; MAX_CORNERS];
+                shape.corners().values(*xi, &mut values);
+                let corners = cell.nodes.iter().zip(&values);
+                let p = corners.map(|(n, v)| v * self.pressure[*n as usize]).sum();
+                at[*node as usize] = [p, 1.0];
+            }
+        }
+        let mut packed: Vec<f64> = at.into_iter().flatten().collect();
+        all.nodes.add_to_owners(&mut packed, 2);
+        let owned = packed.chunks_exact(2).take(all.nodes.owned);
+        owned.map(|at| at[0] / at[1].max(1.0)).collect()
     }
 
     /// Goes on from an accepted state of an earlier run: the pressures of owned nodes, the accounts and

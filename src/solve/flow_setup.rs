@@ -4,6 +4,7 @@ use std::rc::Rc;
 
 use super::coupled::{Blocks, Coupling};
 use super::flow::Flow;
+use super::pace::Pace;
 use crate::assembly::{Discretization, PoreCell, PoreSpace, TangentOperator};
 use crate::bulk::{Loads, MAX_CORNERS, PorousCell, PorousMedium};
 use crate::case::{Case, FlowSpec};
@@ -40,11 +41,8 @@ const MULTIGRID: &[(&str, &str)] = &[
 ];
 
 /// Few pressures are eliminated.
-const ELIMINATION: &[(&str, &str)] = &[
-    ("ksp_type", "preonly"),
-    ("pc_type", "cholesky"),
-    ("pc_factor_mat_solver_type", "mumps"),
-];
+const ELIMINATION: &[(&str, &str)] =
+    &[("ksp_type", "preonly"), ("pc_type", "cholesky"), ("pc_factor_mat_solver_type", "mumps")];
 
 /// Up to so many.
 const FEW: u64 = 3000;
@@ -89,6 +87,17 @@ pub fn couple(
     let mut snes = Snes::new(petsc, "", matrix, &KspSetup::new(options))?;
     snes.precondition_by(preconditioner)?;
 
+    let mut bounds = [0.0_f64; 3];
+    let mut shortest = f64::INFINITY;
+    for cell in &space.prototypes {
+        let bound = cell.shortest_step(flow.theta);
+        let of = if cell.is_held_back() { 0 } else { 1 };
+        bounds[of] = bounds[of].max(bound);
+        shortest = shortest.min(bound);
+    }
+    bounds[2] = -shortest;
+    comm.max(&mut bounds);
+    let pace = flow.tolerance.map(|tolerance| Pace::new(tolerance, -bounds[2]));
     let density = case.materials.iter().find_map(|m| Some(m.porous.as_ref()?.fluid_density));
     let mut gravity = [0.0; 3];
     axes(dim).iter().enumerate().for_each(|(c, axis)| gravity[c] = case.gravity[*axis]);
@@ -99,6 +108,7 @@ pub fn couple(
         (density.unwrap_or(1.0), gravity),
         (flow.theta, flow.lumped),
         scale[0],
+        (pace, [bounds[0], bounds[1]]),
         case.interfaces.len(),
         initial,
     );

@@ -11,6 +11,7 @@ mod imperfection;
 mod interfaces;
 mod linear;
 pub mod memory;
+mod pace;
 mod path;
 mod problem;
 mod recycle;

@@ -12,9 +12,7 @@ use super::path::PathControl;
 use super::problem::{Problem, TangentForm};
 use super::saddle::SaddlePoint;
 use super::stepping::Stepper;
-use crate::assembly::{
-    Cells, Discretization, Pattern, SaddleTangent, Tangent, TangentOperator,
-};
+use crate::assembly::{Cells, Discretization, Pattern, SaddleTangent, Tangent, TangentOperator};
 use crate::bulk::{Elastic, Loads, Stiffness};
 use crate::case::{Case, Control, Form};
 use crate::comm::Comm;

@@ -21,9 +21,10 @@ pub struct StepState {
     /// Energies: elastic, dissipated, external (J).
     pub energy: [f64; 3],
     /// With flow: work of the fluid on the skeleton (J), fluid in, out and stored (kg), and the largest
-    /// nodal magnitude of its balance (m3).
+    /// nodal magnitude of its balance (m3), length of the next step (s; 0: the first one after a jump,
+    /// negative: the second) and largest pressure (Pa).
     #[serde(default)]
-    pub fluid: [f64; 5],
+    pub fluid: [f64; 7],
     /// 2-norm of the out-of-balance forces (N).
     pub residual_norm: f64,
     /// Largest nodal force scale (N) and displacement (m) of the accepted states.
@@ -45,7 +46,7 @@ pub struct State {
     /// What is not a field.
     pub step: StepState,
     /// By node: displacement (m), then the force of supports and loads (N), by component; with flow the
-    /// pore pressure (Pa), 0 where there is none.
+    /// pore pressure (Pa) and its rate in the last step (Pa/s), 0 where there is none.
     pub nodal: Rows,
     /// By secondary node: history (m), then energy dissipated per area (J/m2).
     pub interface: Rows,
@@ -77,13 +78,18 @@ impl Stepper<'_> {
         let (problem, all) = (&self.problem, &self.problem.all);
         let dim = all.dim;
         let names: Vec<u64> = all.nodes.names[..all.nodes.owned].to_vec();
-        let pressure = self.coupling.as_ref().map(|coupling| coupling.flow.at_corners(all));
-        let width = 2 * dim + usize::from(pressure.is_some());
+        let pressure = self.coupling.as_ref().map(|coupling| {
+            let flow = &coupling.flow;
+            let none = Vec::new();
+            let rate = flow.pace.as_ref().and_then(|pace| pace.rate.as_ref()).unwrap_or(&none);
+            [flow.at_corners(all, &flow.pressure), flow.at_corners(all, rate)]
+        });
+        let width = 2 * dim + if pressure.is_some() { 2 } else { 0 };
         let mut values = Vec::with_capacity(names.len() * width);
         let rows = self.work.displacement.chunks_exact(dim).zip(self.work.force.chunks_exact(dim));
         for (node, (displacement, force)) in rows.enumerate() {
             values.extend(displacement.iter().chain(force));
-            values.extend(pressure.iter().map(|pressure| pressure[node]));
+            values.extend(pressure.iter().flatten().map(|of| of[node]));
         }
         let nodal = Rows { width, names, values };
         let interfaces = &problem.interfaces;
@@ -108,9 +114,14 @@ impl Stepper<'_> {
             time: self.time,
             step: self.step.is_finite().then_some(self.step),
             energy: [elastic, dissipated, external],
-            fluid: self.coupling.as_ref().map_or([0.0; 5], |coupling| {
+            fluid: self.coupling.as_ref().map_or([0.0; 7], |coupling| {
                 let FluidBalance { inflow, outflow, stored } = coupling.flow.balance;
-                [fluid, inflow, outflow, stored, coupling.flow.accepted_scale()]
+                let pace = coupling.flow.pace.as_ref();
+                let next = pace
+                    .filter(|pace| !pace.is_jump)
+                    .map_or(0.0, |pace| if pace.rate.is_some() { pace.next } else { -pace.next });
+                let largest = pace.map_or(0.0, |pace| pace.largest);
+                [fluid, inflow, outflow, stored, coupling.flow.accepted_scale(), next, largest]
             }),
             residual_norm: problem.residual_norm,
             scales: problem.convergence.accepted_scales(),
@@ -169,20 +180,28 @@ impl Stepper<'_> {
     }
     /// Goes on from the pressures among `nodal` rows in slabs; the displacements are those of `self.x`.
     /// Collective.
-    fn resume_flow(&mut self, nodal: &Rows, fluid: [f64; 5]) -> Result<()> {
+    fn resume_flow(&mut self, nodal: &Rows, fluid: [f64; 7]) -> Result<()> {
         let Some(coupling) = &mut self.coupling else { return Ok(()) };
         let problem = &mut self.problem;
         let (comm, all) = (problem.comm, Rc::clone(&problem.all));
         let flow = &mut coupling.flow;
         let rows = comm.from_slabs(all.nodes.total, nodal, &flow.space.displacement_names);
-        let last = |row: Option<Vec<f64>>| row.and_then(|row| row.last().copied());
-        let pressures: Option<Vec<f64>> = rows.into_iter().map(last).collect();
+        let rows: Option<Vec<Vec<f64>>> = rows.into_iter().collect();
         let absent = || Error::Input("the checkpoint lacks a pressure of this mesh".into());
-        let pressures = comm.agree(pressures.ok_or_else(absent))?;
+        let rows = comm.agree(rows.ok_or_else(absent))?;
+        let column = |place: usize| rows.iter().map(|row| row[2 * all.dim + place]).collect();
+        let (pressures, rate): (Vec<f64>, Vec<f64>) = (column(0), column(1));
         let displacements = self.work.displacement.len();
         problem.displacement[..displacements].copy_from_slice(&self.work.displacement);
         all.nodes.update_ghosts(&mut problem.displacement, all.dim);
-        let [work, inflow, outflow, stored, scale] = fluid;
+        let [work, inflow, outflow, stored, scale, next, largest] = fluid;
+        if let Some(pace) = &mut flow.pace {
+            pace.largest = largest;
+            if next != 0.0 {
+                (pace.next, pace.is_jump) = (next.abs(), false);
+                pace.rate = (next > 0.0).then_some(rate);
+            }
+        }
         let balance = FluidBalance { inflow, outflow, stored };
         flow.resume(problem, &pressures, (balance, scale));
         for (x, p) in self.x.write()?[displacements..].iter_mut().zip(&pressures) {

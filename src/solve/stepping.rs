@@ -130,6 +130,11 @@ impl<'a> Stepper<'a> {
             let passed = self.breakpoints.partition_point(|time| *time <= self.time);
             let next = self.breakpoints.get(passed).map_or(instant, |time| time.min(instant));
             let advanced = self.advance_without_bends(next, &mut total);
+            if self.breakpoints.contains(&self.time)
+                && let Some(pace) = self.coupling.as_mut().and_then(|c| c.flow.pace.as_mut())
+            {
+                pace.jump();
+            }
             if advanced.is_err() {
                 self.since_instant = total;
                 advanced?;
@@ -148,11 +153,24 @@ impl<'a> Stepper<'a> {
             self.stop_if_asked(self.longest)?;
             let (started, counts) = (Instant::now(), *total);
             // Halving is exact, so the last step ends at the instant to the last bit.
-            let target = if instant - self.time <= 1.5 * step { instant } else { self.time + step };
+            let mut target =
+                if instant - self.time <= 1.5 * step { instant } else { self.time + step };
+            let pace = self.coupling.as_ref().and_then(|coupling| coupling.flow.pace.as_ref());
+            if let Some(pace) = pace {
+                target = pace.target(self.time, target);
+            }
             let mut before = self.x.duplicate()?;
             before.copy_from(&self.x)?;
             let (report, unstable) = self.attempt(target, &before, total)?;
             let converged = report.reason.is_converged();
+            if let Some(Coupling { flow, .. }) = &mut self.coupling
+                && converged
+                && !flow.is_accurate(self.problem.comm)
+            {
+                tracing::debug!("  step from {} to {target} was too long for flow", self.time);
+                self.x.copy_from(&before)?;
+                continue;
+            }
             let consequence = match &unstable {
                 Some(found) => self.consequence(found, (step, smallest), total)?,
                 None => Consequence::Taken,
