@@ -41,11 +41,12 @@ impl WholeFile<'_> {
         // The library does not pass on why a file cannot be created; the operating system does.
         let create =
             || fs::File::create(&temporary).and_then(|_| atomic::reserve(&temporary, size));
-        let created = if root { self.explain(create(), size) } else { Ok(()) };
+        let created = if root { create() } else { atomic::within_limit(size) };
+        let created = comm.agree(self.explain(created, size));
         if root && created.is_err() {
             atomic::discard(&temporary);
         }
-        comm.agree(created)?;
+        created?;
 
         let mut outcome = self.write_temporary(&temporary, group, size, fill);
         if root {

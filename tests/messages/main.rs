@@ -4,8 +4,11 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod failure;
+#[path = "../common/faults.rs"]
+mod faults;
 mod files;
 mod input;
+mod matrix;
 mod numerics;
 mod screen;
 
