@@ -120,7 +120,7 @@ pub fn watch(
             assert!(gone.is_some(), "{scene}: its ranks never started");
             break None;
         }
-        sleep(Duration::from_millis(5));
+        sleep(Duration::from_millis(20));
     };
     let read = |path: &Path| fs::read_to_string(path).expect("text");
     Ended {
