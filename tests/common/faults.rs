@@ -68,6 +68,21 @@ pub fn watch(
     ranks: usize,
     fault: &str,
     args: &[&str],
+    meanwhile: impl FnMut(),
+) -> Ended {
+    watch_within(HANGS, (program, folder), ranks, fault, args, meanwhile)
+}
+
+/// As [`watch`], with a time of its own after which the run hangs.
+///
+/// # Panics
+/// As [`watch`].
+pub fn watch_within(
+    hangs: Duration,
+    (program, folder): (&str, &Path),
+    ranks: usize,
+    fault: &str,
+    args: &[&str],
     mut meanwhile: impl FnMut(),
 ) -> Ended {
     if !fault.is_empty() {
@@ -106,7 +121,7 @@ pub fn watch(
             break ended;
         }
         let late = failed.is_some_and(|at| at.elapsed() > SOON) && !left.is_empty();
-        if late || start.elapsed() > HANGS && !left.is_empty() {
+        if late || start.elapsed() > hangs && !left.is_empty() {
             let states = states(&left);
             end_all(&mut launcher, &left);
             panic!("{scene} hangs after {:?}; its ranks:\n{states}", start.elapsed());
@@ -114,7 +129,7 @@ pub fn watch(
         // Where a rank is killed while it starts, Open MPI's launcher can wait for ever for one
         // that is gone.
         if left.is_empty() && failed.or(gone).is_some_and(|at| at.elapsed() > SOON)
-            || start.elapsed() > 2 * HANGS
+            || start.elapsed() > 2 * hangs
         {
             end_all(&mut launcher, &left);
             assert!(gone.is_some(), "{scene}: its ranks never started");

@@ -1,6 +1,7 @@
 //! A launcher that is ended or killed: the whole run ends soon, and every file under its final name is
 //! complete. `matrix` has what happens to the ranks themselves.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
@@ -45,7 +46,7 @@ fn assert_complete(folder: &Folder) {
 /// A run on two ranks that waits in its second instant.
 fn waiting(folder: &Folder) -> Child {
     faults::needed();
-    let fault = "COLUMN_HPC_FAULT=history:0:wait:2";
+    let fault = &format!("{}=history:0:wait:2", faults::VARIABLE);
     let place = folder.0.to_str().expect("a name of ours");
     let child = Command::new("mpirun")
         .args(["-n", "2", "--quiet", "env", "-C", place, fault, PROGRAM, "case.yaml"])
@@ -105,4 +106,23 @@ fn launcher_ends_by(signal: &str) {
 fn ranks_end_with_their_launcher() {
     launcher_ends_by("-TERM");
     launcher_ends_by("-KILL");
+}
+
+/// What the tests of failures rely on.
+#[test]
+fn a_run_that_hangs_fails_its_test_with_the_state_of_its_ranks() {
+    let folder = Folder::new();
+    let out = folder.path("out");
+    let args = ["case.yaml", "--output", out.to_str().expect("a name of ours")];
+    let limit = Duration::from_secs(5);
+    let watched = || {
+        let scene = (PROGRAM, folder.0.as_path());
+        faults::watch_within(limit, scene, 2, "history:1:wait", &args, || {})
+    };
+    let told = catch_unwind(AssertUnwindSafe(watched)).expect_err("it waits for a minute");
+    let told = told.downcast::<String>().expect("words");
+    assert!(told.starts_with("history:1:wait on 2 ranks of case.yaml "), "{told}");
+    assert!(told.contains(" hangs after "), "{told}");
+    assert_eq!(told.matches("State: ").count(), 2, "{told}");
+    assert!(!alive(&folder.0).expect("/proc"), "{told}");
 }

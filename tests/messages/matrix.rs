@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
@@ -13,7 +14,7 @@ use super::faults::{Ended, watch};
 use super::{Folder, PROGRAM, files};
 
 /// A small column in 2D that writes fields and a checkpoint at each of its two instants.
-const SCENE: &str = "\
+pub const SCENE: &str = "\
 title: matrix of faults
 mesh: {column: {size: [1, 5], cells: [2, 6]}}
 materials: {rock: {elastic: {young_modulus: 5.8e9, poisson_ratio: 0.2}}}
@@ -107,12 +108,12 @@ fn faults(all: bool) -> Vec<Fault> {
 
 /// The numbers in the files of a run, by the name of a file: those of a checkpoint under the number of
 /// its instant.
-type Contents = BTreeMap<String, Vec<Vec<f64>>>;
+pub type Contents = BTreeMap<String, Vec<Vec<f64>>>;
 
 /// Reads every file under a final name to its end.
-fn contents(folder: &Folder, label: &str) -> Contents {
+pub fn contents(out: &Path, label: &str) -> Contents {
     let mut found = Contents::new();
-    for path in files(&folder.path("out")) {
+    for path in files(out) {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let text = || fs::read_to_string(&path).expect("a readable file");
         let json = || -> serde_json::Value {
@@ -145,7 +146,7 @@ fn contents(folder: &Folder, label: &str) -> Contents {
             found.insert(format!("checkpoint {}", meta["accepted"]), fields);
         } else if name.ends_with(".series") {
             for entry in json()["files"].as_array().expect("a list") {
-                let named = folder.path("out/fields").join(entry["name"].as_str().expect("a name"));
+                let named = out.join("fields").join(entry["name"].as_str().expect("a name"));
                 assert!(named.is_file(), "{label}: {}", named.display());
             }
         } else {
@@ -159,9 +160,9 @@ fn contents(folder: &Folder, label: &str) -> Contents {
 }
 
 /// An unbroken run.
-struct Unbroken {
-    history: Vec<String>,
-    contents: Contents,
+pub struct Unbroken {
+    pub history: Vec<String>,
+    pub contents: Contents,
 }
 
 impl Unbroken {
@@ -172,7 +173,7 @@ impl Unbroken {
         let history: Vec<String> =
             folder.read("out/history.csv").lines().map(str::to_owned).collect();
         assert_eq!(history.len(), 3);
-        let contents = contents(&folder, "unbroken");
+        let contents = contents(&folder.path("out"), "unbroken");
         assert_eq!(contents.len(), 8, "{:?}", contents.keys());
         Self { history, contents }
     }
@@ -198,7 +199,7 @@ fn scene(fault: Fault, unbroken: &Unbroken, goes_on: bool) -> Duration {
     let rows: Vec<&str> = rows.lines().collect();
     let expected = if place.rows == 0 { 0 } else { 1 + place.rows };
     assert_eq!(rows, unbroken.history[..expected], "{label}");
-    let left = contents(&folder, &label);
+    let left = contents(&folder.path("out"), &label);
     for (name, numbers) in &left {
         assert_eq!(Some(numbers), unbroken.contents.get(name), "{label}: {name}");
     }
@@ -224,7 +225,7 @@ fn scene(fault: Fault, unbroken: &Unbroken, goes_on: bool) -> Duration {
     let again = run(&folder, ranks, "", words);
     assert_eq!((again.status, again.stderr.as_str()), (Some(0), ""), "after {label}: {again:?}");
     assert!(!temporary(&folder), "after {label}: {:?}", files(&folder.0));
-    let after = contents(&folder, "after");
+    let after = contents(&folder.path("out"), "after");
     let fields = unbroken.contents.keys().filter(|name| name.contains("_00000"));
     assert!(fields.clone().count() == 4 && fields.clone().all(|name| after.contains_key(name)));
     assert_eq!(folder.history("time").len(), 2, "after {label}");
@@ -327,7 +328,7 @@ fn a_residual_that_is_not_a_number_once_cuts_the_step() {
         assert_eq!((ended.status, ended.stderr.as_str()), (Some(0), ""), "{ended:?}");
         let cut = "  step from 0.5 to 1 failed: the residual is not a number (";
         assert_eq!(ended.stdout.matches(cut).count(), 1, "{}", ended.stdout);
-        assert_eq!(contents(&folder, "cut").len(), 8);
+        assert_eq!(contents(&folder.path("out"), "cut").len(), 8);
         assert_eq!(folder.history("time").len(), 2);
     }
 }
