@@ -9,6 +9,7 @@ use ::hdf5::{Group, H5Type};
 use super::atomic;
 use super::hdf5::{CollectiveFile, Rows};
 use crate::error::{Error, Result};
+use crate::runtime::leave_libraries;
 
 /// A file that is to be written.
 pub struct WholeFile<'a> {
@@ -80,7 +81,7 @@ impl WholeFile<'_> {
             fill(&file, &group)
         });
         // Closing is collective and every rank is here, whether the writes went well or not.
-        let closed = self.agreed(file.close());
+        let closed = self.agreed(file.close()).inspect_err(|_| leave_libraries());
         written.and(closed)
     }
 
