@@ -15,8 +15,9 @@ cd "$root"
 # shellcheck source=scripts/mpi_env.sh
 . scripts/mpi_env.sh
 command -v valgrind >/dev/null || setup_packages valgrind
+# A build of the tests may have left another one.
+[ -n "${COLUMN_HPC:-}" ] || cargo build --release
 program=${COLUMN_HPC:-${CARGO_TARGET_DIR:-$root/target}/release/column-hpc}
-[ -x "$program" ] || cargo build --release
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 failed=0

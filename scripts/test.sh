@@ -27,9 +27,20 @@ step() {
     fi
 }
 
+# The program that the steps below run, and that is handed out, holds no injector of faults.
+no_faults() {
+    local program="${CARGO_TARGET_DIR:-$root/target}/release/column-hpc"
+    [ -x "$program" ] && ! grep -q COLUMN_HPC_FAULT "$program"
+}
+
 step format cargo fmt --check
-step lints cargo clippy --release --all-targets -- -D warnings
-step tests cargo test --release --no-fail-fast
+step lints cargo clippy --release --all-targets --features faults -- -D warnings
+step lints_of_release cargo clippy --release --all-targets -- -D warnings
+# Many tests make the program fail on purpose, which a program for use cannot be asked for.
+step tests cargo test --release --features faults --no-fail-fast
+# From here on the program for use is tested.
+step release cargo build --release
+step no_faults no_faults
 if [ -x scripts/check_fields.sh ]; then
     step fields scripts/check_fields.sh
 fi

@@ -10,6 +10,7 @@ use mpi::topology::SimpleCommunicator;
 use mpi::traits::Communicator;
 use std::ffi::{c_char, c_int, c_void};
 use std::io::Write;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::{env, panic, process, ptr};
 
 /// Exit status of a run that ends by a panic.
@@ -53,9 +54,23 @@ impl Runtime {
     /// Ends PETSc and MPI, then the process. Collective; nothing that holds PETSc or a
     /// communicator may be left.
     pub fn exit(self, status: u8) -> ! {
+        if CANNOT_END.load(Ordering::Relaxed) && status != 0 {
+            // Everybody has said what there is to say.
+            self.comm.barrier();
+            SimpleCommunicator::world().abort(status.into());
+        }
         drop(self);
         process::exit(status.into())
     }
+}
+
+/// Whether a library is in no state to be ended.
+static CANNOT_END: AtomicBool = AtomicBool::new(false);
+
+/// Takes note that a file could not be closed: HDF5 crashes when MPI ends after that, so that a run
+/// that fails is then ended without. Local; on all ranks or on none.
+pub fn leave_libraries() {
+    CANNOT_END.store(true, Ordering::Relaxed);
 }
 
 /// Ends the whole job from one rank, with one message on standard error. Local.

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
-use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1, SIGUSR2};
+use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXFSZ};
 use signal_hook::flag;
 
 use crate::comm::Comm;
@@ -48,6 +48,8 @@ pub fn listen() -> Result<()> {
         let number = usize::try_from(signal).unwrap_or(1);
         flag::register_usize(signal, requests.stop.clone(), number).map_err(refused)?;
     }
+    // A file that may not grow further (`ulimit -f`) is then an error of the write.
+    flag::register(SIGXFSZ, Arc::default()).map_err(refused)?;
     Ok(())
 }
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use rustix::fs::{FallocateFlags, fallocate, fstatvfs};
 use rustix::io::Errno;
+use rustix::process::{Resource, getrlimit};
 
 use crate::error::{Error, Result};
 
@@ -83,6 +84,7 @@ pub fn write_text(path: &Path, text: &str) -> Result<()> {
 /// # Parallel
 /// Local; one rank does it.
 pub fn reserve(path: &Path, bytes: u64) -> io::Result<()> {
+    within_limit(bytes)?;
     let file = File::options().write(true).open(path)?;
     match fallocate(&file, FallocateFlags::KEEP_SIZE, 0, bytes) {
         Ok(()) => Ok(()),
@@ -92,6 +94,20 @@ pub fn reserve(path: &Path, bytes: u64) -> io::Result<()> {
             if room < bytes { Err(Errno::NOSPC.into()) } else { Ok(()) }
         }
         Err(cause) => Err(cause.into()),
+    }
+}
+
+/// Makes sure that this process may write a file of a size (`ulimit -f`).
+///
+/// # Errors
+/// The operating system's, when it may not.
+///
+/// # Parallel
+/// Local; on every rank that writes.
+pub fn within_limit(bytes: u64) -> io::Result<()> {
+    match getrlimit(Resource::Fsize).current {
+        Some(most) if bytes > most => Err(Errno::FBIG.into()),
+        _ => Ok(()),
     }
 }
 

@@ -6,6 +6,7 @@
 pub mod atomic;
 pub mod checkpoint;
 pub mod directory;
+pub mod finite;
 pub mod hdf5;
 pub mod history;
 pub mod publisher;

@@ -8,6 +8,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
+use super::finite::check_fields;
 use super::publisher::Publisher;
 use super::vtkhdf::{Data, Grid, write_data, write_grid};
 use crate::comm::Comm;
@@ -74,7 +75,7 @@ impl Series {
     /// * `fixed` the same at every instant
     ///
     /// # Errors
-    /// As [`write_grid`].
+    /// As [`write_grid`], and `Numerics` when a value is not finite.
     ///
     /// # Parallel
     /// Collective.
@@ -87,6 +88,8 @@ impl Series {
         data: Data,
     ) -> Result<()> {
         let Fixed { grid, data: known } = fixed;
+        let path = self.directory.join(self.file(step));
+        comm.agree(check_fields(&path, time, grid, known, data))?;
         let mesh = match &self.mesh {
             Some(mesh) => mesh.clone(),
             None => {
@@ -97,9 +100,8 @@ impl Series {
                 self.mesh.insert(mesh).clone()
             }
         };
-        let name = self.file(step);
-        write_data(comm, publisher, &self.directory.join(&name), (&mesh, grid, known), data)?;
-        self.files.push(Instant { name, time });
+        write_data(comm, publisher, &path, (&mesh, grid, known), data)?;
+        self.files.push(Instant { name: self.file(step), time });
         comm.agree(if comm.is_root() { self.write_index(publisher) } else { Ok(()) })
     }
 

@@ -9,6 +9,7 @@ use ::hdf5::{Group, H5Type};
 use super::atomic;
 use super::hdf5::{CollectiveFile, Rows};
 use crate::error::{Error, Result};
+use crate::runtime::leave_libraries;
 
 /// A file that is to be written.
 pub struct WholeFile<'a> {
@@ -41,11 +42,12 @@ impl WholeFile<'_> {
         // The library does not pass on why a file cannot be created; the operating system does.
         let create =
             || fs::File::create(&temporary).and_then(|_| atomic::reserve(&temporary, size));
-        let created = if root { self.explain(create(), size) } else { Ok(()) };
+        let created = if root { create() } else { atomic::within_limit(size) };
+        let created = comm.agree(self.explain(created, size));
         if root && created.is_err() {
             atomic::discard(&temporary);
         }
-        comm.agree(created)?;
+        created?;
 
         let mut outcome = self.write_temporary(&temporary, group, size, fill);
         if root {
@@ -79,7 +81,7 @@ impl WholeFile<'_> {
             fill(&file, &group)
         });
         // Closing is collective and every rank is here, whether the writes went well or not.
-        let closed = self.agreed(file.close());
+        let closed = self.agreed(file.close()).inspect_err(|_| leave_libraries());
         written.and(closed)
     }
 

@@ -6,11 +6,13 @@ pub mod tables;
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::slice::from_ref;
 
 use serde::Serialize;
 
 use crate::error::{Error, Result};
 use crate::output::atomic;
+use crate::output::finite::check_row;
 use crate::timers::Timings;
 use expectations::Outcome;
 use tables::Instant;
@@ -132,14 +134,28 @@ impl Report {
     /// Writes the report; complete or absent under its name.
     ///
     /// # Errors
-    /// [`Error::System`] if the file cannot be written.
+    /// [`Error::System`] if the file cannot be written, [`Error::Numerics`] when a number of the
+    /// solution is not finite, which JSON cannot say.
     ///
     /// # Parallel
     /// Local; rank 0 does it.
     pub fn write(&self, path: &Path) -> Result<()> {
+        self.check(path)?;
         let text = serde_json::to_string_pretty(self)
             .map_err(|cause| Error::Bug(format!("report: {cause}")))?;
         atomic::write_text(path, &(text + "\n"))
+    }
+
+    fn check(&self, path: &Path) -> Result<()> {
+        for (instant, norm) in self.residual_norms.iter().enumerate() {
+            let when = format!("at instant {}", instant + 1);
+            check_row(path, &when, &["residual_norms".into()], &[Some(*norm)])?;
+        }
+        for outcome in &self.expectations {
+            let when = format!("at time {}", outcome.at);
+            check_row(path, &when, from_ref(&outcome.quantity), &[outcome.value])?;
+        }
+        Ok(())
     }
 }
 

@@ -9,12 +9,14 @@ use serde_json::Value;
 use crate::case::{Case, Every};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
-use crate::output::checkpoint::{Checkpoint, Opened, candidates, write};
+use crate::fault;
+use crate::output::checkpoint::{Checkpoint, NEWEST, Opened, candidates, write};
 use crate::output::directory::first_difference;
+use crate::output::finite::refused;
 use crate::output::history::Table;
 use crate::output::publisher::Publisher;
 use crate::signals;
-use crate::solve::{Model, StepState};
+use crate::solve::{Model, State, StepState};
 
 /// Layout of the file; another one is refused.
 const FORMAT: u32 = 1;
@@ -90,7 +92,7 @@ impl Keeper {
     /// Writes the last accepted state. Collective.
     ///
     /// # Errors
-    /// `System` with the path and the reason.
+    /// `System` with the path and the reason; `Numerics` when a number of the state is not finite.
     pub fn write(
         &mut self,
         comm: &Comm,
@@ -100,7 +102,9 @@ impl Keeper {
         progress: &Progress<'_>,
     ) -> Result<()> {
         let all = &model.stepper.problem.all;
-        let state = model.stepper.state()?;
+        let mut state = model.stepper.state()?;
+        fault::strike_values(comm, "state", &mut state.nodal.values)?;
+        comm.agree(check(&state, progress, model, &directory.join(NEWEST)))?;
         let run = RunState {
             format: FORMAT,
             program: format!("column-hpc {}", env!("CARGO_PKG_VERSION")),
@@ -130,6 +134,26 @@ impl Keeper {
     /// Whether the last accepted state has been written. Local.
     pub fn is_current(&self, model: &Model<'_>) -> bool {
         self.written == Some(model.stepper.time())
+    }
+}
+
+/// Refuses a state that is not finite somewhere. Local.
+fn check(state: &State, progress: &Progress<'_>, model: &Model<'_>, file: &Path) -> Result<()> {
+    let when = format!("at time {}", state.step.time);
+    if let Some((what, node, value)) = state.first_not_finite() {
+        let [x, y, z] = model.mesh.column.point(node);
+        return Err(refused(what, value, &format!("at ({x}, {y}, {z}) m {when}"), file));
+    }
+    let step = &state.step;
+    let mut numbers =
+        [("energy", &step.energy[..]), ("largest force or displacement", &step.scales)]
+            .into_iter()
+            .chain([("residual_norms", progress.residual_norms)])
+            .chain([("residual_norms", std::slice::from_ref(&step.residual_norm))])
+            .flat_map(|(what, values)| values.iter().map(move |value| (what, *value)));
+    match numbers.find(|(_, value)| !value.is_finite()) {
+        Some((what, value)) => Err(refused(what, value, &when, file)),
+        None => Ok(()),
     }
 }
 

@@ -4,6 +4,7 @@ use crate::case::Case;
 use crate::comm::Comm;
 use crate::element::Shape;
 use crate::error::Result;
+use crate::fault;
 use crate::mesh::axes;
 use crate::output::directory::OutputDirectory;
 use crate::output::publisher::Publisher;
@@ -105,6 +106,7 @@ impl FieldWriter {
         for (out, u) in displacement.chunks_exact_mut(3).zip(nodal) {
             axes(dim).iter().zip(u).for_each(|(axis, u)| out[*axis] = *u);
         }
+        fault::strike_values(comm, "fields", &mut displacement)?;
         let mut stress = Vec::with_capacity(6 * all.cells.len());
         let mut u = Vec::new();
         for cell in 0..all.cells.len() {

@@ -125,6 +125,7 @@ fn run_case(runtime: &Runtime, timers: &Timers, options: &RunOptions) -> Result<
 /// The case as every rank sees it; rank 0 reads the file. Collective.
 fn read_case(comm: &Comm, path: &Path, overrides: &[String]) -> Result<Case> {
     let text = comm.on_root(|| read_text(path).map(String::into_bytes))?;
+    fault::strike(comm, "case")?;
     comm.agree(Case::read(&String::from_utf8_lossy(&text), path, overrides))
 }
 
@@ -139,6 +140,7 @@ fn build<'a>(
         let _phase = timers.enter(Phase::Mesh);
         comm.agree(Column::new(case))?
     };
+    fault::strike(comm, "mesh")?;
     let mut choice = LinearChoice::new(case, &column);
     let mut columns = vec![column.described(), column];
     if choice.preset == MULTIGRID {

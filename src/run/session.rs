@@ -8,6 +8,7 @@ use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::fault;
 use crate::output::directory::OutputDirectory;
+use crate::output::finite::check_row;
 use crate::output::history::{History, Table};
 use crate::output::publisher::Publisher;
 use crate::report::expectations::{Outcome, evaluate};
@@ -88,8 +89,9 @@ impl<'a> Session<'a> {
         if stopped && !self.keeper.is_current(model) {
             self.write_checkpoint(model)?;
         }
-        self.comm.agree(self.publisher.finish())?;
-        solved
+        let published = self.comm.agree(self.publisher.finish());
+        // What ended the run is told, not what came of it; a stop promises a checkpoint.
+        if stopped { published.and(solved) } else { solved.and(published) }
     }
 
     fn instants(&mut self, model: &mut Model<'_>) -> Result<()> {
@@ -106,7 +108,9 @@ impl<'a> Session<'a> {
             self.counts[1] += accepted.linear_iterations as u64;
             self.residual_norms.push(accepted.residual_norm);
             let _phase = self.timers.enter(Phase::Output);
-            let row = history::row(self.case, model, &probes, *time, &accepted, self.comm);
+            let mut row = history::row(self.case, model, &probes, *time, &accepted, self.comm);
+            fault::strike_values(self.comm, "row", row.iter_mut().flatten())?;
+            self.check_row(*time, &row)?;
             let pushed = match &mut self.history {
                 Some(history) => history.push(row),
                 None => Ok(()),
@@ -128,6 +132,12 @@ impl<'a> Session<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Refuses a row that is not finite on some rank. Collective.
+    fn check_row(&self, time: f64, row: &[Option<f64>]) -> Result<()> {
+        let (file, when) = (self.directory.history(), format!("at time {time}"));
+        self.comm.agree(check_row(&file, &when, &self.case.columns(), row))
     }
 
     /// Collective.
@@ -153,7 +163,12 @@ impl<'a> Session<'a> {
 
     /// Compares with the expectations and writes the report, also when the solution failed.
     /// Collective.
-    pub fn close(self, runtime: &Runtime, model: &Model<'_>, solved: Result<()>) -> Result<bool> {
+    pub fn close(
+        mut self,
+        runtime: &Runtime,
+        model: &Model<'_>,
+        solved: Result<()>,
+    ) -> Result<bool> {
         let outcomes = if solved.is_ok() { self.outcomes() } else { Ok(Vec::new()) };
         let outcomes = self.comm.agree(outcomes)?;
         let met = !self.comm.any(outcomes.iter().any(|o| !o.met));
@@ -171,6 +186,7 @@ impl<'a> Session<'a> {
         for option in runtime.petsc.unused_options()? {
             tracing::warn!("warning: the PETSc option {option} was not used");
         }
+        fault::strike_values(self.comm, "report", &mut self.residual_norms)?;
         let mut written = Ok(());
         if let Some(history) = &self.history {
             let report = Report {
@@ -199,11 +215,16 @@ impl<'a> Session<'a> {
                 case: self.case.resolved(),
             };
             written = report.write(&self.directory.report());
-            screen::close(&report, self.directory.path());
-            screen::complain_of_missed(&report, self.directory.path());
+            if written.is_ok() {
+                screen::close(&report, self.directory.path());
+                screen::complain_of_missed(&report, self.directory.path());
+            }
         }
-        self.comm.agree(written)?;
-        solved.map(|()| met).map_err(|error| self.with_place(error))
+        let written = self.comm.agree(written);
+        if let (Err(_), Err(error)) = (&solved, &written) {
+            tracing::warn!("warning: {error}");
+        }
+        solved.map_err(|error| self.with_place(error)).and(written).map(|()| met)
     }
 
     /// Adds to a failure of the numerics what of the results is valid.

@@ -3,7 +3,7 @@
 use super::interfaces::InterfaceState;
 use crate::assembly::Discretization;
 use crate::comm::Comm;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::law::Branch;
 use crate::mesh::Column;
 use crate::partition::mix;
@@ -81,6 +81,8 @@ pub struct Convergence {
     pub softening: Option<(u64, u64)>,
     /// Why the last solve failed, in words; the same on all ranks.
     pub failure: Option<String>,
+    /// Node of this rank at which the last residual was not a number.
+    broken: Option<u64>,
 }
 
 impl Convergence {
@@ -104,6 +106,7 @@ impl Convergence {
             holds: Vec::new(),
             softening: None,
             failure: None,
+            broken: None,
         }
     }
 
@@ -116,6 +119,19 @@ impl Convergence {
     pub fn see_forces(&mut self, magnitude: &[f64], displacement: &[f64]) {
         let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         self.current = [largest(magnitude), largest(displacement)];
+    }
+
+    /// Takes note of a residual that is not a number, which ends a solve before it is judged. Local.
+    pub fn see_residual(&mut self, all: &Discretization, f: &[f64]) {
+        let broken = f.iter().position(|force| !force.is_finite());
+        self.broken = broken.map(|i| all.nodes.names[i / all.dim]);
+    }
+
+    /// Where the last residual was not a number, in words. Collective.
+    pub fn broken_place(&self, comm: &Comm) -> Option<String> {
+        let first =
+            comm.agree(self.broken.map_or(Ok(()), |node| Err(Error::Numerics(self.at(node)))));
+        first.err().map(|place| place.to_string())
     }
 
     /// Largest nodal force scale (N) and displacement (m) of the last evaluated state, on this rank.

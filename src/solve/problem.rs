@@ -301,12 +301,14 @@ impl<'a> Problem<'a> {
 
 impl NonlinearSystem for Problem<'_> {
     fn residual(&mut self, x: &[f64], f: &mut [f64]) -> Result<()> {
-        fault::strike(self.comm, "residual")?;
         self.evaluate(x, f, true);
+        fault::strike_values(self.comm, "residual", &mut *f)?;
+        self.convergence.see_residual(&self.all, f);
         Ok(())
     }
 
     fn tangent(&mut self, _x: &[f64], matrix: &mut Matrix) -> Result<TangentChange> {
+        fault::strike(self.comm, "tangent")?;
         let state = self.local_states();
         if !self.comm.any(self.assembled_state.as_ref() != Some(&state)) {
             return Ok(TangentChange::Unchanged);
@@ -344,6 +346,7 @@ impl NonlinearSystem for Problem<'_> {
         correction: &mut [f64],
         solve: &mut FurtherSolve<'_>,
     ) -> Result<()> {
+        fault::strike_values(self.comm, "linear", &mut *correction)?;
         self.interfaces.lean = 1.0;
         let part = self.convergence.part_of_step;
         let Some(path) = self.path.as_mut().filter(|path| path.follows()) else {

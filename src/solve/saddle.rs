@@ -8,6 +8,7 @@ use super::convergence::Worst;
 use super::problem::Problem;
 use crate::assembly::{LawDerivative, SaddleTangent};
 use crate::error::Result;
+use crate::fault;
 use crate::petsc::{
     FurtherSolve, LinearTolerance, Matrix, NonlinearSystem, TangentChange, Vector, Verdict,
 };
@@ -75,6 +76,8 @@ impl NonlinearSystem for SaddleSystem<'_, '_> {
         for (own, response) in law.chunks_exact_mut(dim).zip(response) {
             own.iter_mut().zip(response.defect).for_each(|(f, defect)| *f = scale * defect);
         }
+        fault::strike_values(problem.comm, "residual", &mut *f)?;
+        problem.convergence.see_residual(&problem.all, f);
         problem.balance.copy_from_slice(&problem.bulk_force);
         all.add_tractions(|index, c| response[index].law_traction[c], &mut problem.balance);
         Ok(())

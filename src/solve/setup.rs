@@ -17,6 +17,7 @@ use crate::bulk::{Elastic, Loads, Stiffness};
 use crate::case::{Case, Control, Form};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
+use crate::fault;
 use crate::interface::{Sides, jump_rows};
 use crate::mesh::{Column, LocalMesh, axes};
 use crate::multigrid::Hierarchy;
@@ -84,6 +85,7 @@ pub fn build<'a>(
     let convergence = Convergence::new(tolerance, solver.max_newton, &mesh.column, names);
     let target = LinearTarget::new(tolerance);
 
+    fault::strike(comm, "setup")?;
     let mut levels = Vec::new();
     if choice.preset == MULTIGRID {
         for mesh in meshes {

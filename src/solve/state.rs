@@ -52,6 +52,20 @@ pub struct State {
     pub interface: Rows,
 }
 
+impl State {
+    /// The first field value of this rank that is not finite: what it is, the name of its node, and
+    /// the value. Local.
+    pub fn first_not_finite(&self) -> Option<(&'static str, u64, f64)> {
+        let find = |rows: &Rows, what: [&'static str; 2]| {
+            let at = rows.values.iter().position(|value| !value.is_finite())?;
+            let half = (at % rows.width) / (rows.width / 2);
+            Some((what[half], rows.names[at / rows.width], rows.values[at]))
+        };
+        find(&self.nodal, ["displacement", "force of supports and loads"])
+            .or_else(|| find(&self.interface, ["largest jump of the history", "dissipated energy"]))
+    }
+}
+
 impl Stepper<'_> {
     /// The accepted states that are not stable, those of earlier runs first. Local.
     pub fn instabilities_in_words(&self) -> Vec<String> {

@@ -16,6 +16,7 @@ use super::stability::Instability;
 use super::state::StepState;
 use crate::case::{Case, Stability};
 use crate::error::{Error, Result};
+use crate::fault;
 use crate::petsc::{Snes, SolveReport, Vector};
 use crate::signals;
 use crate::space::Prescribed;
@@ -177,6 +178,12 @@ impl<'a> Stepper<'a> {
             };
             if converged && !matches!(consequence, Consequence::Cut) {
                 self.refuse_freed_bodies(target)?;
+                let owned = self.problem.all.nodes.owned * self.problem.all.dim;
+                fault::strike_values(
+                    self.problem.comm,
+                    "step",
+                    &mut self.problem.displacement[..owned],
+                )?;
                 self.accept(self.reached(target)?);
                 self.keep(unstable, consequence);
                 total.steps += 1;
@@ -390,10 +397,14 @@ impl<'a> Stepper<'a> {
 
     /// Why a solve failed, in words. Collective.
     fn reason(&self, report: &SolveReport) -> String {
-        let words = match (&self.problem.convergence.failure, &report.failing_linear) {
+        let problem = &self.problem;
+        let words = match (&problem.convergence.failure, &report.failing_linear) {
             (Some(words), _) => words.clone(),
             (None, Some(linear)) => format!("the linear solver failed: {}", linear.words),
-            (None, None) => report.reason.to_string(),
+            (None, None) => match problem.convergence.broken_place(problem.comm) {
+                Some(place) => format!("{} ({place})", report.reason),
+                None => report.reason.to_string(),
+            },
         };
         // L D L^T goes through an indefinite tangent without a word; its pivots tell.
         let place = self.softening_place();

@@ -11,6 +11,7 @@ use column_hpc::output::history::Table;
 use column_hpc::partition::mix;
 
 use crate::common::environment;
+use crate::faults::ranks_in;
 use crate::scene::{PROGRAM, Scene, fresh};
 
 /// A column that writes fields and a checkpoint at every one of many instants.
@@ -21,22 +22,6 @@ fn scene() -> Scene {
         .set("expect=[]")
         .set("output.checkpoint={every: 1 instant}")
         .set(&format!("time.instants=[{}]", instants.join(", ")))
-}
-
-/// Processes whose command line names `directory`: ranks of the program.
-fn ranks_in(directory: &Path) -> Vec<u32> {
-    let name = directory.to_string_lossy().into_owned();
-    let mut found = Vec::new();
-    for entry in fs::read_dir("/proc").expect("Linux").flatten() {
-        let Some(process) = entry.file_name().to_str().and_then(|n| n.parse().ok()) else {
-            continue;
-        };
-        let line = fs::read_to_string(entry.path().join("cmdline")).unwrap_or_default();
-        if line.starts_with(PROGRAM) && line.contains(&name) {
-            found.push(process);
-        }
-    }
-    found
 }
 
 fn start(ranks: usize, directory: &Path, scene: &Scene) -> Child {
@@ -51,7 +36,7 @@ fn start(ranks: usize, directory: &Path, scene: &Scene) -> Child {
         .expect("mpirun is on the PATH")
 }
 
-fn kill(process: u32) {
+fn kill(process: i32) {
     let _ = Command::new("kill").args(["-9", &process.to_string()]).stderr(Stdio::null()).status();
 }
 
@@ -110,14 +95,15 @@ fn random_kills(count: u64) {
         let part = (mix(number) % 1000) as f64 / 1000.0;
         let mut launcher = start(2, &directory, &scene);
         sleep(length.mul_f64(part));
-        let ranks = ranks_in(&directory);
+        let ranks = ranks_in(&directory, PROGRAM);
+        let launched = launcher.id() as i32;
         let victim = match mix(number + count) % 3 {
-            2 => launcher.id(),
-            rank => ranks.get(rank as usize).copied().unwrap_or(launcher.id()),
+            2 => launched,
+            rank => ranks.get(rank as usize).copied().unwrap_or(launched),
         };
         kill(victim);
         let end = Instant::now() + Duration::from_secs(10);
-        while !ranks_in(&directory).is_empty() {
+        while !ranks_in(&directory, PROGRAM).is_empty() {
             assert!(Instant::now() < end, "kill {number}: a rank is left after 10 s");
             sleep(Duration::from_millis(20));
         }
@@ -150,7 +136,7 @@ fn a_few_random_kills() {
     random_kills(6);
 }
 
-/// Takes minutes: `cargo test --release --test acceptance kills -- --ignored`.
+/// Takes minutes: `cargo test --release --features faults --test acceptance kills -- --ignored`.
 #[test]
 #[ignore = "takes minutes"]
 fn two_hundred_random_kills() {

@@ -5,6 +5,9 @@
 mod common;
 mod branches;
 mod energy;
+#[path = "../common/faults.rs"]
+#[allow(dead_code)] // as above
+mod faults;
 mod fluid;
 mod kills;
 mod locking;
@@ -16,6 +19,7 @@ mod path;
 mod ranks;
 mod reference;
 mod refinement;
+mod repeat;
 mod restart;
 mod scene;
 mod shipped;

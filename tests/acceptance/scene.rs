@@ -1,6 +1,7 @@
 //! Runs cases under `mpirun` and reads their results.
 
 use crate::common::mpirun_within;
+use crate::faults;
 use column_hpc::output::history::Table;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -119,7 +120,10 @@ impl Scene {
 
     /// Starts the scene with a fault (or none, if empty), its results in `directory`.
     pub fn launch(&self, ranks: usize, directory: &Path, fault: &str, more: &[&str]) -> Output {
-        let mut args: Vec<String> = vec![format!("COLUMN_HPC_FAULT={fault}"), PROGRAM.into()];
+        if !fault.is_empty() {
+            faults::needed();
+        }
+        let mut args: Vec<String> = vec![format!("{}={fault}", faults::VARIABLE), PROGRAM.into()];
         args.extend(self.words(directory));
         args.extend(more.iter().map(|word| (*word).to_owned()));
         let args: Vec<&str> = args.iter().map(String::as_str).collect();

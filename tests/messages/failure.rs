@@ -1,6 +1,7 @@
-//! A rank that fails, panics or is killed in the middle, and a launcher that is: the whole run ends
-//! soon with the right status, and every file under its final name is complete.
+//! A launcher that is ended or killed: the whole run ends soon, and every file under its final name is
+//! complete. `matrix` has what happens to the ranks themselves.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
@@ -9,22 +10,10 @@ use std::{fs, io};
 
 use column_hpc::output::history::Table;
 
-use super::{Answer, Folder, PROGRAM, common, files};
+use super::{Folder, PROGRAM, common, faults, files};
 
 /// The time within which every rank is gone.
 const SOON: Duration = Duration::from_secs(10);
-
-/// A run with field files that starts the program with its folder on the command line.
-fn run(folder: &Folder, fault: &str) -> Answer {
-    let out = folder.path("out");
-    let out = out.to_str().expect("a name of ours");
-    folder.run_with(fault, 2, &["case.yaml", "--set", "output.fields=all", "--output", out])
-}
-
-/// Where a rank fails: in the set-up, in the second evaluation of a residual, between two files of
-/// the second instant, in the middle of a field file of the first and of the second instant.
-const PLACES: [(&str, u32); 5] =
-    [("distribute", 1), ("residual", 2), ("history", 2), ("output", 1), ("output", 4)];
 
 /// Every file under a final name can be read to its end.
 fn assert_complete(folder: &Folder) {
@@ -54,64 +43,10 @@ fn assert_complete(folder: &Folder) {
     }
 }
 
-fn fails(kind: &str, expected: i32, says: impl Fn(&str) -> String) {
-    for (phase, count) in PLACES {
-        let folder = Folder::new();
-        let start = Instant::now();
-        let fault = format!("COLUMN_HPC_FAULT={phase}:1:{kind}:{count}");
-        let answer = run(&folder, &fault);
-        assert_gone(&folder, start, &fault);
-        assert_eq!(answer.status, Some(expected), "{fault}: {answer:?}");
-        assert_eq!(answer.stderr, says(phase), "{fault}");
-        assert_complete(&folder);
-        if phase == "history" {
-            assert_eq!(folder.history("time").len(), 2);
-        }
-        if phase == "output" {
-            // The next run of the same case needs no word and leaves nothing of the one before.
-            assert_eq!(run(&folder, "COLUMN_HPC_FAULT=").status, Some(0), "after {fault}");
-            let left = files(&folder.path("out"));
-            assert!(!left.iter().any(|f| f.to_string_lossy().contains(".tmp.")), "{left:?}");
-            assert_complete(&folder);
-        }
-    }
-}
-
-#[test]
-fn an_error_on_one_rank_ends_all_with_status_4() {
-    fails("error", 4, |phase| {
-        format!("error: rank 1: a test asked for an error in phase {phase}\n")
-    });
-}
-
-#[test]
-fn a_panic_on_one_rank_ends_all_with_status_101() {
-    let line = |text: &str| text.lines().nth(1).unwrap_or_default().to_owned();
-    let folder = Folder::new();
-    let answer = run(&folder, "COLUMN_HPC_FAULT=residual:1:panic");
-    assert_eq!(answer.status, Some(101), "{answer:?}");
-    assert!(answer.stderr.starts_with("[rank 1] panicked at src"), "{}", answer.stderr);
-    assert_eq!(line(&answer.stderr), "a test asked for a panic in phase residual");
-    assert!(answer.stderr.ends_with("please report it with the case file.\n"));
-    for (phase, count) in PLACES {
-        let folder = Folder::new();
-        let start = Instant::now();
-        let fault = format!("COLUMN_HPC_FAULT={phase}:1:panic:{count}");
-        let answer = run(&folder, &fault);
-        assert_gone(&folder, start, &fault);
-        assert_eq!(answer.status, Some(101), "{fault}: {answer:?}");
-        assert_complete(&folder);
-    }
-}
-
-#[test]
-fn a_killed_rank_ends_all_with_status_137() {
-    fails("kill", 137, |_| String::new());
-}
-
 /// A run on two ranks that waits in its second instant.
 fn waiting(folder: &Folder) -> Child {
-    let fault = "COLUMN_HPC_FAULT=history:0:wait:2";
+    faults::needed();
+    let fault = &format!("{}=history:0:wait:2", faults::VARIABLE);
     let place = folder.0.to_str().expect("a name of ours");
     let child = Command::new("mpirun")
         .args(["-n", "2", "--quiet", "env", "-C", place, fault, PROGRAM, "case.yaml"])
@@ -171,4 +106,23 @@ fn launcher_ends_by(signal: &str) {
 fn ranks_end_with_their_launcher() {
     launcher_ends_by("-TERM");
     launcher_ends_by("-KILL");
+}
+
+/// What the tests of failures rely on.
+#[test]
+fn a_run_that_hangs_fails_its_test_with_the_state_of_its_ranks() {
+    let folder = Folder::new();
+    let out = folder.path("out");
+    let args = ["case.yaml", "--output", out.to_str().expect("a name of ours")];
+    let limit = Duration::from_secs(5);
+    let watched = || {
+        let scene = (PROGRAM, folder.0.as_path());
+        faults::watch_within(limit, scene, 2, "history:1:wait", &args, || {})
+    };
+    let told = catch_unwind(AssertUnwindSafe(watched)).expect_err("it waits for a minute");
+    let told = told.downcast::<String>().expect("words");
+    assert!(told.starts_with("history:1:wait on 2 ranks of case.yaml "), "{told}");
+    assert!(told.contains(" hangs after "), "{told}");
+    assert_eq!(told.matches("State: ").count(), 2, "{told}");
+    assert!(!alive(&folder.0).expect("/proc"), "{told}");
 }

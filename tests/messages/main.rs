@@ -3,9 +3,13 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod disk;
 mod failure;
+#[path = "../common/faults.rs"]
+mod faults;
 mod files;
 mod input;
+mod matrix;
 mod numerics;
 mod screen;
 
@@ -71,13 +75,8 @@ impl Folder {
 
     /// The program in this folder on `ranks` ranks; on 1 without `mpirun`.
     fn run(&self, ranks: usize, args: &[&str]) -> Answer {
-        self.run_with("COLUMN_HPC_FAULT=", ranks, args)
-    }
-
-    /// As [`Folder::run`], with `VARIABLE=VALUE` in its environment.
-    fn run_with(&self, variable: &str, ranks: usize, args: &[&str]) -> Answer {
         let folder = self.0.to_str().expect("a name of ours");
-        let before = ["-C", folder, variable, PROGRAM];
+        let before = ["-C", folder, PROGRAM];
         let all: Vec<&str> = before.iter().chain(args).copied().collect();
         let output = if ranks == 1 {
             let mut alone = Command::new("env");
