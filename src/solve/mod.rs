@@ -25,5 +25,5 @@ pub use linear::{LinearChoice, MULTIGRID};
 pub use problem::Problem;
 pub use setup::{Model, build};
 pub use stability::{Instability, Stability};
-pub use state::StepState;
+pub use state::{MOST_COUNTED, StepState};
 pub use stepping::{Accepted, Bifurcation, Stepper};
