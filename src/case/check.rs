@@ -14,9 +14,6 @@ use crate::petsc::refused_option;
 /// What is said of everything that the contract plans and the program cannot do yet.
 pub(super) const LATER: &str = "is not yet available";
 
-/// The largest number of displacement unknowns that 32-bit indices can number.
-const MOST_UNKNOWNS: u128 = i32::MAX as u128;
-
 pub(super) struct Checker<'a> {
     pub tree: &'a Node,
     pub problems: Problems<'a>,
@@ -98,6 +95,7 @@ impl Checker<'_> {
             left_out: std::mem::take(&mut self.left_out),
             file,
         };
+        self.history(&case);
         case.expect = self.expectations(&case);
         if self.problems.is_empty() { Ok(case) } else { Err(self.problems.into_error()) }
     }
@@ -163,49 +161,6 @@ impl Checker<'_> {
                 self.add(path, format!("must have {dim} entries as size has, got {length}"));
                 self.broken.insert("mesh".to_owned());
                 [1; 3]
-            }
-        }
-    }
-
-    /// Refuses a mesh that cannot be numbered, before memory is asked for.
-    fn cells(
-        &mut self,
-        file: &CaseFile,
-        mesh: &MeshSpec,
-        materials: &[Material],
-        interfaces: &[InterfaceSpec],
-    ) {
-        let column = file.mesh.column.as_ref();
-        if let (Cells::Bodies(bodies), true) = (&mesh.cells, column.is_some())
-            && bodies.len() != interfaces.len() + 1
-        {
-            let (found, wanted) = (bodies.len(), interfaces.len() + 1);
-            let reason =
-                format!("has {found} bodies, but {} interface(s) make {wanted}", interfaces.len());
-            self.add("mesh.column.bodies", reason);
-            return;
-        }
-        let cuts = interfaces.len() + materials.iter().filter(|m| m.z.is_some()).count();
-        match mesh.displacement_unknowns(interfaces.len(), cuts) {
-            Some(unknowns) if unknowns <= MOST_UNKNOWNS => {}
-            unknowns => {
-                let count = unknowns.map_or("more than 1e38".to_owned(), |n| {
-                    if n < 1_000_000_000_000 { n.to_string() } else { format!("{:.1e}", n as f64) }
-                });
-                let key = if matches!(mesh.cells, Cells::Whole(_)) { "cells" } else { "bodies" };
-                let grids = match &mesh.cells {
-                    Cells::Whole(cells) => std::slice::from_ref(cells),
-                    Cells::Bodies(bodies) => bodies,
-                };
-                let grids: Vec<String> =
-                    grids.iter().map(|[x, y, z]| format!("{x} x {y} x {z}")).collect();
-                let reason = format!(
-                    "make too many unknowns: {} cells, refined {} times, have up to {count} \
-                     displacement components; at most {MOST_UNKNOWNS} can be numbered",
-                    grids.join(" + "),
-                    mesh.refine
-                );
-                self.add(&format!("mesh.column.{key}"), reason);
             }
         }
     }

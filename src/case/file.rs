@@ -28,9 +28,11 @@ pub(super) struct CaseFile {
     pub materials: BTreeMap<String, MaterialSection>,
     /// Interfaces, with rising z.
     #[serde(default)]
+    #[schemars(length(max = 1000))]
     pub interfaces: Vec<InterfaceSection>,
     /// What is prescribed on surfaces.
     #[serde(default)]
+    #[schemars(length(max = 100))]
     pub boundary: Vec<BoundarySection>,
     /// Gravity in m/s2, by component; acts on `density` of the porous data.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -60,9 +62,11 @@ pub(super) struct CaseFile {
     pub limits: Option<LimitsSection>,
     /// Points whose displacement is recorded.
     #[serde(default)]
+    #[schemars(length(max = 1000))]
     pub probes: Vec<ProbeSection>,
     /// Values that the results must have.
     #[serde(default)]
+    #[schemars(length(max = 10_000))]
     pub expect: Vec<ExpectSection>,
 }
 
@@ -106,7 +110,7 @@ pub(super) struct ColumnSection {
     pub cells: Option<Vec<u64>>,
     /// Cells of each body between interfaces, bottom to top, instead of `cells`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(length(min = 1))]
+    #[schemars(length(min = 1, max = 1001))]
     pub bodies: Option<Vec<BodySection>>,
 }
 
@@ -239,7 +243,7 @@ pub(super) enum Quantity {
 #[serde(deny_unknown_fields)]
 pub(super) struct TableSection {
     /// Pairs of time and value, with rising times.
-    #[schemars(length(min = 1))]
+    #[schemars(length(min = 1, max = 100_000))]
     pub table: Vec<[f64; 2]>,
 }
 
@@ -256,7 +260,7 @@ pub(super) struct FormulaSection {
 #[serde(deny_unknown_fields)]
 pub(super) struct TimeSection {
     /// Times in s, rising.
-    #[schemars(length(min = 1))]
+    #[schemars(length(min = 1, max = 10_000))]
     pub instants: Vec<f64>,
     /// The time in s of the undeformed state.
     #[serde(default)]
@@ -299,7 +303,7 @@ pub(super) struct DissipationSection {
     /// Name of the interface.
     pub of: String,
     /// How much of it a step may dissipate, of fracture energy times area.
-    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1))]
+    #[schemars(extend("minimum" = 1e-4, "maximum" = 1))]
     pub step: f64,
 }
 
@@ -338,7 +342,7 @@ pub(super) enum FieldsSection {
     /// A word.
     Word(FieldsWord),
     /// Instants.
-    Times(Vec<f64>),
+    Times(#[schemars(length(max = 10_000))] Vec<f64>),
 }
 
 impl Default for FieldsSection {

@@ -20,6 +20,7 @@ pub(super) struct InitialSection {
     pub pressure: Option<Quantity>,
     /// What makes a perfect structure imperfect, so that one of its branches is selected.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 1000))]
     pub imperfection: Vec<ImperfectionSection>,
 }
 

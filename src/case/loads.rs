@@ -95,35 +95,41 @@ impl Checker<'_> {
             (Some((one, _)), Some((other, _))) => a == b || one != other,
             _ => false,
         };
+        // Each value once at each instant, where it is the same in space.
+        let values: Vec<[Option<Vec<f64>>; 3]> = boundary
+            .iter()
+            .map(|entry| {
+                [0, 1, 2].map(|axis| {
+                    let value = entry.displacement[axis].as_ref()?;
+                    let at = |time: &f64| value.at([0.0; 3], *time);
+                    (!value.varies_in_space()).then(|| instants.iter().map(at).collect())
+                })
+            })
+            .collect();
         for (index, entry) in boundary.iter().enumerate() {
             for (earlier, other) in boundary[..index].iter().enumerate() {
                 if !meet(entry.on, other.on) {
                     continue;
                 }
                 for (axis, name) in AXES.iter().enumerate() {
-                    let (Some(value), Some(first)) =
-                        (&entry.displacement[axis], &other.displacement[axis])
+                    let (Some(value), Some(first)) = (&values[index][axis], &values[earlier][axis])
                     else {
                         continue;
                     };
-                    if value.varies_in_space() || first.varies_in_space() {
-                        continue;
-                    }
-                    let at = |value: &Value, time: f64| value.at([0.0; 3], time);
-                    let largest = instants
+                    let largest =
+                        value.iter().chain(first).fold(0.0, |most: f64, v| most.max(v.abs()));
+                    let clash = value
                         .iter()
-                        .flat_map(|time| [at(value, *time).abs(), at(first, *time).abs()])
-                        .fold(0.0, f64::max);
-                    let clash = instants
-                        .iter()
-                        .find(|t| (at(value, **t) - at(first, **t)).abs() > 1e-12 * largest);
-                    if let Some(time) = clash {
+                        .zip(first)
+                        .position(|(value, first)| (value - first).abs() > 1e-12 * largest);
+                    if let Some(at) = clash {
                         let reason = format!(
-                            "disagrees with boundary.{earlier} ({}): {} against {} at time {time} \
-                             on the nodes of both",
+                            "disagrees with boundary.{earlier} ({}): {} against {} at time {} on \
+                             the nodes of both",
                             other.on.name(),
-                            number_text(at(value, *time)),
-                            number_text(at(first, *time)),
+                            number_text(value[at]),
+                            number_text(first[at]),
+                            instants[at],
                         );
                         self.add(&format!("boundary.{index}.displacement.{name}"), reason);
                     }

@@ -16,6 +16,7 @@ mod output;
 mod problems;
 mod results;
 mod schema;
+mod size;
 mod solver;
 mod supports;
 mod tree;
@@ -116,6 +117,8 @@ const NEARLY_INCOMPRESSIBLE: f64 = 0.45;
 
 /// Largest case file that is read, in bytes.
 const LARGEST: u64 = 1 << 20;
+/// Most overrides.
+const MOST_OVERRIDES: usize = 1000;
 
 impl Case {
     /// Reads a case from the text of its file; every rank that reads the same text gets the same.
@@ -139,6 +142,7 @@ impl Case {
                 path.display()
             )));
         }
+        check_overrides(overrides)?;
         for (number, assignment) in overrides.iter().enumerate() {
             if let Err(reason) = tree.set(assignment, number) {
                 problems.at(Origin::Override(number), reason);
@@ -217,6 +221,23 @@ impl Case {
         // Every key is a string and every number finite, so that nothing can fail.
         serde_json::to_value(&self.file).expect("a checked case is valid JSON")
     }
+}
+
+/// Refuses more overrides than anyone types.
+fn check_overrides(overrides: &[String]) -> Result<()> {
+    let bytes: usize = overrides.iter().map(String::len).sum();
+    if overrides.len() > MOST_OVERRIDES {
+        let count = overrides.len();
+        return Err(Error::Input(format!(
+            "--set is given {count} times; at most {MOST_OVERRIDES}"
+        )));
+    }
+    if bytes as u64 > LARGEST {
+        return Err(Error::Input(format!(
+            "--set: {bytes} bytes are given in all; at most {LARGEST} are read"
+        )));
+    }
+    Ok(())
 }
 
 /// The tree with placeholders for sections that cannot be read, so that the others are checked.

@@ -1,5 +1,6 @@
 //! The mistakes of a case file, collected and told at once.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use super::tree::{Node, Origin};
@@ -7,25 +8,33 @@ use crate::error::Error;
 
 /// Most mistakes that are listed.
 const LISTED: usize = 20;
+/// Most mistakes that are sought.
+const SOUGHT: usize = 1000;
+/// Most characters of a text of the user that a message repeats.
+const SHOWN: usize = 200;
 
 /// Collects mistakes with their places.
 pub(super) struct Problems<'a> {
     path: &'a Path,
     overrides: &'a [String],
-    list: Vec<(Origin, String)>,
+    list: BTreeSet<(Origin, String)>,
 }
 
 impl<'a> Problems<'a> {
     pub fn new(path: &'a Path, overrides: &'a [String]) -> Self {
-        Problems { path, overrides, list: Vec::new() }
+        Problems { path, overrides, list: BTreeSet::new() }
     }
 
     /// Adds a mistake at a known place.
     pub fn at(&mut self, origin: Origin, text: String) {
-        let problem = (origin, text);
-        if !self.list.contains(&problem) {
-            self.list.push(problem);
+        if !self.is_full() {
+            self.list.insert((origin, text));
         }
+    }
+
+    /// Whether so much is wrong that the rest need not be looked at.
+    pub fn is_full(&self) -> bool {
+        self.list.len() >= SOUGHT
     }
 
     /// Adds a mistake at the place of a dotted path; the message is `PATH REASON`.
@@ -38,8 +47,7 @@ impl<'a> Problems<'a> {
     }
 
     /// One line for each mistake, in the order of the file, then of the overrides.
-    pub fn into_error(mut self) -> Error {
-        self.list.sort_by_key(|(origin, _)| *origin);
+    pub fn into_error(self) -> Error {
         let more = self.list.len().saturating_sub(LISTED);
         let mut lines: Vec<String> = self
             .list
@@ -49,14 +57,24 @@ impl<'a> Problems<'a> {
                 Origin::File(line, column) => {
                     format!("{}:{line}:{column}: {text}", self.path.display())
                 }
-                Origin::Override(number) => format!("--set {}: {text}", self.overrides[*number]),
+                Origin::Override(number) => {
+                    format!("--set {}: {text}", shortened(&self.overrides[*number]))
+                }
             })
             .collect();
         if more > 0 {
-            lines.push(format!("and {more} more"));
+            let least = if self.is_full() { "at least " } else { "" };
+            lines.push(format!("and {least}{more} more"));
         }
         Error::Input(lines.join("\n"))
     }
+}
+
+/// The beginning of what was written, for messages.
+pub(super) fn shortened(text: &str) -> String {
+    let shown: String = text.chars().take(SHOWN).collect();
+    let more = if shown.len() < text.len() { "..." } else { "" };
+    format!("{shown}{more}")
 }
 
 /// The known name that a misspelt one most likely means.

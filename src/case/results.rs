@@ -1,5 +1,6 @@
 //! Output, probes and expectations, and the columns of `history.csv` that they refer to.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use super::check::Checker;
@@ -176,12 +177,15 @@ impl Checker<'_> {
 
     pub(super) fn expectations(&mut self, case: &Case) -> Vec<Expectation> {
         let known = case.quantities();
+        let all: BTreeSet<&String> = known.iter().collect();
         let mut expectations = Vec::new();
         for (index, section) in case.file.expect.iter().enumerate() {
+            if self.problems.is_full() {
+                break;
+            }
             let path = format!("expect.{index}");
             let quantity = &section.quantity;
-            if self.sound(&["mesh", "interfaces", "boundary", "probes"])
-                && !known.contains(quantity)
+            if self.sound(&["mesh", "interfaces", "boundary", "probes"]) && !all.contains(quantity)
             {
                 let hint = suggestion(quantity, &known);
                 self.add(&format!("{path}.quantity"), format!("cannot be `{quantity}`{hint}"));

@@ -3,6 +3,7 @@
 //! The schema that editors get is the one that the reader obeys, so the two cannot drift apart.
 
 use std::collections::BTreeSet;
+use std::sync::LazyLock;
 
 use serde_json::Value as Json;
 
@@ -11,12 +12,19 @@ use super::problems::{Problems, nearest, suggestion};
 use super::tree::{Data, Entry, Node};
 use crate::error::number_text;
 
+/// Most keys of one section, the named ones too.
+const MOST_KEYS: usize = 1000;
+
 /// The JSON Schema (draft 2020-12) of the case file.
 pub fn schema() -> Json {
+    SCHEMA.clone()
+}
+
+static SCHEMA: LazyLock<Json> = LazyLock::new(|| {
     let mut schema = schemars::schema_for!(CaseFile).to_value();
     without_null(&mut schema);
     schema
-}
+});
 
 /// Takes null away wherever it stands for a key that is left out: in a case file such a key is
 /// not written at all.
@@ -51,26 +59,25 @@ fn without_null(schema: &mut Json) {
 /// Checks a tree against the schema, takes unknown and repeated keys out of it, and returns the
 /// sections that cannot be read.
 pub(super) fn check(tree: &mut Node, problems: &mut Problems) -> BTreeSet<String> {
-    let schema = schema();
-    let mut walk = Walk { definitions: &schema["$defs"], problems, broken: BTreeSet::new() };
-    walk.node(&schema, tree, "");
+    let mut walk = Walk { problems, broken: BTreeSet::new() };
+    walk.node(&SCHEMA, tree, "");
     walk.broken
 }
 
 struct Walk<'a, 'p> {
-    definitions: &'a Json,
     problems: &'a mut Problems<'p>,
     broken: BTreeSet<String>,
 }
 
-impl Walk<'_, '_> {
-    fn resolve<'s>(&'s self, mut schema: &'s Json) -> &'s Json {
-        while let Some(name) = schema["$ref"].as_str() {
-            schema = &self.definitions[name.trim_start_matches("#/$defs/")];
-        }
-        schema
+/// What a reference refers to.
+fn resolve(mut schema: &'static Json) -> &'static Json {
+    while let Some(name) = schema["$ref"].as_str() {
+        schema = &SCHEMA["$defs"][name.trim_start_matches("#/$defs/")];
     }
+    schema
+}
 
+impl Walk<'_, '_> {
     /// A mistake that keeps the section from being read.
     fn breaks(&mut self, node: &Node, path: &str, reason: &str) {
         let section = path.split('.').next().unwrap_or_default();
@@ -79,15 +86,18 @@ impl Walk<'_, '_> {
         self.problems.at(node.origin, format!("{subject} {reason}"));
     }
 
-    fn node(&mut self, schema: &Json, node: &mut Node, path: &str) {
-        let schema = self.resolve(schema).clone();
-        if node.data == Data::Empty && schema != Json::Bool(true) {
+    fn node(&mut self, schema: &'static Json, node: &mut Node, path: &str) {
+        if self.problems.is_full() {
+            return;
+        }
+        let schema = resolve(schema);
+        if node.data == Data::Empty && *schema != Json::Bool(true) {
             return self.breaks(node, path, "has no value");
         }
         if let Some(choices) = schema["anyOf"].as_array().or(schema["oneOf"].as_array()) {
             return self.choice(choices, node, path);
         }
-        if let Some(words) = words_of(&schema) {
+        if let Some(words) = words_of(schema) {
             return self.word(&words, node, path);
         }
         let Some(wanted) = schema["type"].as_str() else { return };
@@ -96,10 +106,10 @@ impl Walk<'_, '_> {
             return self.breaks(node, path, &reason);
         }
         match node.data {
-            Data::Integer(number) => self.bounds(&schema, number as f64, node, path),
-            Data::Number(number) => self.bounds(&schema, number, node, path),
-            Data::List(_) => self.list(&schema, node, path),
-            Data::Map(_) => self.map(&schema, node, path),
+            Data::Integer(number) => self.bounds(schema, number as f64, node, path),
+            Data::Number(number) => self.bounds(schema, number, node, path),
+            Data::List(_) => self.list(schema, node, path),
+            Data::Map(_) => self.map(schema, node, path),
             _ => {}
         }
     }
@@ -127,27 +137,36 @@ impl Walk<'_, '_> {
         self.breaks(node, path, &format!("{reason}, got {got}"));
     }
 
-    fn list(&mut self, schema: &Json, node: &mut Node, path: &str) {
+    fn list(&mut self, schema: &'static Json, node: &mut Node, path: &str) {
         let Data::List(items) = &mut node.data else { return };
-        for (index, item) in items.iter_mut().enumerate() {
-            self.node(&schema["items"], item, &join(path, &index.to_string()));
-        }
         let (length, low, high) =
             (items.len() as u64, schema["minItems"].as_u64(), schema["maxItems"].as_u64());
+        let too_many = high.is_some_and(|high| length > high);
+        // Too many are not looked at one by one.
+        if !too_many {
+            for (index, item) in items.iter_mut().enumerate() {
+                self.node(&schema["items"], item, &join(path, &index.to_string()));
+            }
+        }
         let wanted = match (low, high) {
             (Some(low), Some(high)) if low == high => format!("{low}"),
             (Some(low), Some(high)) => format!("{low} to {high}"),
             (Some(low), None) => format!("at least {low}"),
-            _ => return,
+            (None, Some(high)) => format!("at most {high}"),
+            (None, None) => return,
         };
-        if low.is_some_and(|low| length < low) || high.is_some_and(|high| length > high) {
+        if too_many || low.is_some_and(|low| length < low) {
             self.breaks(node, path, &format!("must have {wanted} entries, got {length}"));
         }
     }
 
-    fn map(&mut self, schema: &Json, node: &mut Node, path: &str) {
+    fn map(&mut self, schema: &'static Json, node: &mut Node, path: &str) {
         let origin = node.origin;
         let Data::Map(entries) = &mut node.data else { return };
+        if entries.len() > MOST_KEYS {
+            let reason = format!("must have at most {MOST_KEYS} entries, got {}", entries.len());
+            return self.breaks(node, path, &reason);
+        }
         let known = keys_of(schema);
         let mut kept: Vec<Entry> = Vec::with_capacity(entries.len());
         let mut misspelt: BTreeSet<String> = BTreeSet::new();
@@ -192,14 +211,15 @@ impl Walk<'_, '_> {
     }
 
     /// One of several forms: words, numbers, lists, and sections told apart by their keys.
-    fn choice(&mut self, choices: &[Json], node: &mut Node, path: &str) {
-        let choices: Vec<Json> = choices.iter().map(|one| self.resolve(one).clone()).collect();
-        let words: Vec<String> = choices.iter().filter_map(words_of).flatten().collect();
+    fn choice(&mut self, choices: &'static [Json], node: &mut Node, path: &str) {
+        let choices: Vec<&'static Json> = choices.iter().map(resolve).collect();
+        let words: Vec<String> = choices.iter().filter_map(|one| words_of(one)).flatten().collect();
         if let (Data::Text(_), false) = (&node.data, words.is_empty()) {
             return self.word(&words, node, path);
         }
-        let fitting: Vec<&Json> = choices
+        let fitting: Vec<&'static Json> = choices
             .iter()
+            .copied()
             .filter(|one| words_of(one).is_none())
             .filter(|one| one["type"].as_str().is_some_and(|wanted| is_of(wanted, node)))
             .collect();
@@ -221,9 +241,9 @@ impl Walk<'_, '_> {
                 self.breaks(node, path, &reason);
             }
             ([key], _) => {
-                let one = fitting.iter().find(|one| keys_of(one).contains(key));
-                let one = one.map_or(Json::Null, |one| (*one).clone());
-                self.node(&one, node, path);
+                if let Some(one) = fitting.iter().find(|one| keys_of(one).contains(key)) {
+                    self.node(one, node, path);
+                }
             }
             ([], Some(entry)) => {
                 let hint = suggestion(&entry.key, &known);
@@ -302,7 +322,7 @@ fn name_of(kind: &str) -> &str {
 }
 
 /// The forms of a choice in words: `a number, {table: ...} or {formula: ...}`.
-fn forms_of(choices: &[Json]) -> String {
+fn forms_of(choices: &[&Json]) -> String {
     let forms: Vec<String> = choices
         .iter()
         .map(|one| match (words_of(one), one["type"].as_str()) {

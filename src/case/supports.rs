@@ -113,8 +113,14 @@ impl Part {
     fn free_motions(&self, boundary: &[BoundarySpec]) -> Vec<String> {
         let motions = self.motions();
         let mut rows: Vec<f64> = Vec::new();
+        let mut seen: Vec<(Surface, usize)> = Vec::new();
         for entry in boundary.iter().filter(|entry| self.touches(entry.on)) {
             for axis in (0..3).filter(|axis| entry.displacement[*axis].is_some()) {
+                // Another entry that prescribes the same component there holds nothing more.
+                if seen.contains(&(entry.on, axis)) {
+                    continue;
+                }
+                seen.push((entry.on, axis));
                 for point in self.corners(entry.on) {
                     rows.extend(motions.iter().map(|motion| displacement(*motion, point)[axis]));
                 }

@@ -6,6 +6,17 @@ use serde::de::{Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde_saphyr::Spanned;
 use serde_saphyr::options::{DuplicateKeyPolicy, NonFiniteFloatPolicy};
 
+/// Deepest nesting of lists and sections, and longest dotted path.
+const DEEPEST: usize = 64;
+/// Most values, lists and sections of one text.
+const MOST_VALUES: usize = 400_000;
+/// Most anchors, and most aliases that repeat them.
+const MOST_ALIASES: usize = 100;
+/// Most values, and ends of lists and sections, that all aliases together repeat.
+const MOST_REPEATED: usize = 10_000;
+/// Longest text of one value or key, in bytes.
+const LONGEST_TEXT: usize = 4096;
+
 /// Where a part of the tree was written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Origin {
@@ -54,7 +65,18 @@ pub(super) fn parse(text: &str) -> Result<Node, SyntaxError> {
         duplicate_keys: DuplicateKeyPolicy::PassThrough,
         non_finite_float_policy: NonFiniteFloatPolicy::PassThrough,
         with_snippet: false,
-        budget: serde_saphyr::budget! { max_nodes: 400_000, max_depth: 64 },
+        budget: serde_saphyr::budget! {
+            max_nodes: MOST_VALUES,
+            max_depth: DEEPEST,
+            flow_nesting_limit: DEEPEST,
+            max_anchors: MOST_ALIASES,
+            max_aliases: MOST_ALIASES,
+            max_merge_keys: MOST_ALIASES,
+        },
+        alias_limits: serde_saphyr::alias_limits! {
+            max_total_replayed_events: MOST_REPEATED,
+            max_replay_stack_depth: 8,
+        },
     };
     let root: Spanned<Data> =
         serde_saphyr::from_str_with_options(text, options).map_err(|error| SyntaxError {
@@ -64,9 +86,25 @@ pub(super) fn parse(text: &str) -> Result<Node, SyntaxError> {
     Ok(Node::from(root))
 }
 
-/// The parser's words without its place, which is told in front.
+/// The parser's words without its place, which is told in front; for a limit our own.
 fn reason_of(error: &serde_saphyr::Error) -> String {
     let text = error.without_snippet().to_string();
+    let limits = [
+        (
+            "recursion limit exceeded",
+            format!("lists and sections are nested deeper than {DEEPEST}"),
+        ),
+        ("Depth {", format!("lists and sections are nested deeper than {DEEPEST}")),
+        ("Nodes {", format!("there are more than {MOST_VALUES} values, lists and sections")),
+        ("Events {", format!("there are more than {MOST_VALUES} values, lists and sections")),
+        ("Anchors {", format!("there are more than {MOST_ALIASES} anchors")),
+        ("Aliases {", format!("there are more than {MOST_ALIASES} aliases")),
+        ("MergeKeys {", format!("there are more than {MOST_ALIASES} merge keys")),
+        ("alias replay", format!("aliases repeat more than {MOST_REPEATED} values")),
+    ];
+    if let Some((_, words)) = limits.iter().find(|(breach, _)| text.contains(breach)) {
+        return words.clone();
+    }
     let end = text.find(" at line ").unwrap_or(text.len());
     // What follows a semicolon is advice to programmers.
     let end = text[..end].find("; use ").unwrap_or(end);
@@ -83,6 +121,19 @@ impl From<Spanned<Data>> for Node {
 impl<'de> Deserialize<'de> for Data {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_any(DataVisitor)
+    }
+}
+
+/// Refuses texts that are too long to be meant, and characters that would steer a terminal.
+fn check_text(text: &str) -> Result<(), String> {
+    if text.len() > LONGEST_TEXT {
+        return Err(format!("a text of {} bytes; at most {LONGEST_TEXT} are read", text.len()));
+    }
+    match text.chars().find(|c| c.is_control() && !matches!(c, '\n' | '\t')) {
+        Some(found) => {
+            Err(format!("a text holds the control character {}", found.escape_unicode()))
+        }
+        None => Ok(()),
     }
 }
 
@@ -131,7 +182,8 @@ impl<'de> Visitor<'de> for DataVisitor {
         Ok(Data::Number(number))
     }
 
-    fn visit_str<E>(self, text: &str) -> Result<Data, E> {
+    fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<Data, E> {
+        check_text(text).map_err(E::custom)?;
         Ok(Data::Text(text.to_owned()))
     }
 
@@ -150,6 +202,7 @@ impl<'de> Visitor<'de> for DataVisitor {
             if key.value.is_empty() {
                 return Err(A::Error::custom("a key is empty"));
             }
+            check_text(&key.value).map_err(A::Error::custom)?;
             let node = Node::from(map.next_value::<Spanned<Data>>()?);
             entries.push(Entry { key: key.value, origin, node });
         }
@@ -229,6 +282,11 @@ impl Node {
         if steps.iter().any(|step| step.is_empty()) {
             return Err("a name in front of `=` is empty".to_owned());
         }
+        if steps.len() > DEEPEST {
+            let names = steps.len();
+            return Err(format!("{names} names in front of `=`; at most {DEEPEST} are read"));
+        }
+        steps.iter().try_for_each(|step| check_text(step))?;
         let origin = Origin::Override(number);
         let mut here = self;
         for (depth, step) in steps.iter().enumerate() {

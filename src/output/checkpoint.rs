@@ -25,8 +25,6 @@ pub const PREVIOUS: &str = "checkpoint.previous.h5";
 const GROUP: &str = "checkpoint";
 /// What is in it.
 const MEMBERS: [&str; 5] = ["checksums", "interface", "interface_names", "meta", "nodal"];
-/// The longest description that is read (bytes).
-const LONGEST_META: usize = 1 << 28;
 
 /// A state as it is written: what is not a field as text, fields as rows.
 pub struct Checkpoint<'a> {
@@ -93,7 +91,7 @@ pub struct Opened {
 }
 
 impl Opened {
-    /// Opens a file and reads its description.
+    /// Opens a file and reads its description, of at most `longest` bytes.
     ///
     /// # Errors
     /// `Input` when there is no such file, or it is no checkpoint, or it is damaged; the same on all
@@ -101,11 +99,11 @@ impl Opened {
     ///
     /// # Parallel
     /// Collective.
-    pub fn new(comm: &Comm, path: &Path) -> Result<Self> {
-        comm.agree(Self::open(path))
+    pub fn new(comm: &Comm, path: &Path, longest: usize) -> Result<Self> {
+        comm.agree(Self::open(path, longest))
     }
 
-    fn open(path: &Path) -> Result<Self> {
+    fn open(path: &Path, longest: usize) -> Result<Self> {
         let wrong = |cause: &dyn std::fmt::Display| not_a_checkpoint(path, cause);
         if let Err(cause) = std::fs::File::open(path) {
             let text = format!("cannot read the checkpoint {}: {cause}", path.display());
@@ -115,9 +113,12 @@ impl Opened {
         members(&file).map_err(|cause| wrong(&cause))?;
         let checksums = numbers::<u64>(&file, "checksums", &[3]).map_err(|cause| wrong(&cause))?;
         let meta = dataset(&file, "meta").map_err(|cause| wrong(&cause))?;
-        let length = meta.shape().iter().product::<usize>();
-        if length > LONGEST_META {
-            return Err(wrong(&format!("its description has {length} bytes")));
+        let shape = meta.shape();
+        let length = shape.first().copied().unwrap_or(0);
+        if length > longest {
+            let much =
+                format!("its description has {length} bytes; this case has at most {longest}");
+            return Err(wrong(&much));
         }
         let bytes = numbers::<u8>(&file, "meta", &[length]).map_err(|cause| wrong(&cause))?;
         let meta = String::from_utf8(bytes).map_err(|cause| wrong(&cause))?;

@@ -26,24 +26,31 @@ pub fn schema() -> String {
 /// # Errors
 /// `Input` with everything that is wrong.
 pub fn check(path: &Path, overrides: &[String]) -> Result<String> {
-    let case = Case::read(&read_text(path)?, path, overrides)?;
-    let column = Column::new(&case)?;
+    describe(&Case::read(&read_text(path)?, path, overrides)?)
+}
+
+/// What is said of a case that has been read. Local; reads nothing.
+///
+/// # Errors
+/// `Input` when a formula gives no number somewhere, or values disagree.
+pub fn describe(case: &Case) -> Result<String> {
+    let column = Column::new(case)?;
     let unknowns = column.nodes() * case.dim as u64;
-    let choice = LinearChoice::new(&case, &column);
+    let choice = LinearChoice::new(case, &column);
     if column.nodes() <= MOST_NODES {
         let nodes: Vec<u64> = (0..column.nodes()).collect();
-        let prescribed = Prescribed::new(&case, &column);
+        let prescribed = Prescribed::new(case, &column);
         let largest = prescribed.largest_value(&nodes, &case.time);
         let checked = largest.and_then(|l| prescribed.check_agreement(&nodes, &case.time, l));
         checked.map_err(|AtNode(_, error)| error)?;
         let mesh = LocalMesh::new(&column, (0..column.cells()).collect(), column.cells());
-        Loads::new(&case, &mesh).check(&case.time)?;
-        let sides = Sides::choose(&case, &column);
+        Loads::new(case, &mesh).check(&case.time)?;
+        let sides = Sides::choose(case, &column);
         let secondary = sides.iter().enumerate().flat_map(|(interface, side)| {
             let own = nodes.iter().filter(|node| side.is_secondary(&column, **node));
             own.map(move |node| (interface, *node))
         });
-        strength_factors(&case, &column, secondary).map_err(|AtNode(_, error)| error)?;
+        strength_factors(case, &column, secondary).map_err(|AtNode(_, error)| error)?;
     }
     let bytes = memory(choice.preset, &column, 1);
     let mut text = format!("{}\n", case.title);
@@ -56,7 +63,7 @@ pub fn check(path: &Path, overrides: &[String]) -> Result<String> {
     }
     let order = case.mesh.order_words();
     line("mesh", format!("{} cells{order}, {unknowns} unknowns", column.cells()))?;
-    for (interface, side) in case.interfaces.iter().zip(Sides::choose(&case, &column)) {
+    for (interface, side) in case.interfaces.iter().zip(Sides::choose(case, &column)) {
         let secondary = if side.secondary.upper { "lower" } else { "upper" };
         let (name, law) = (&interface.name, interface.law.name());
         line(
@@ -66,7 +73,7 @@ pub fn check(path: &Path, overrides: &[String]) -> Result<String> {
     }
     line("linear", format!("{}: {}", choice.preset, choice.why))?;
     line("memory", format!("about {:.2} GB on one rank", bytes / 1e9))?;
-    line("disk", format!("about {:.3} GB", disk(&case, &column) / 1e9))?;
+    line("disk", format!("about {:.3} GB", disk(case, &column) / 1e9))?;
     line("instants", format!("{}", case.time.len()))?;
     line("output", format!("{}", case.output.directory.display()))?;
     text.push_str("the case is right\n");

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use serde_json::value::RawValue;
 
 use crate::case::{Case, Every};
 use crate::comm::Comm;
@@ -16,10 +17,14 @@ use crate::output::finite::refused;
 use crate::output::history::Table;
 use crate::output::publisher::Publisher;
 use crate::signals;
-use crate::solve::{Model, State, StepState};
+use crate::solve::{MOST_COUNTED, Model, State, StepState};
 
 /// Layout of the file; another one is refused.
 const FORMAT: u32 = 1;
+
+/// The case of a checkpoint is read up to this length (bytes): a case file of the largest size with
+/// every default written out is shorter.
+const LONGEST_CASE: usize = 1 << 23;
 
 /// The word for the newest checkpoint of the output directory.
 const LATEST: &str = "latest";
@@ -32,7 +37,7 @@ pub struct RunState {
     /// The program that wrote it.
     program: String,
     /// The case with all defaults.
-    case: Value,
+    case: Box<RawValue>,
     /// Names of nodes are below this.
     nodes: u64,
     /// Secondary nodes of all interfaces.
@@ -105,10 +110,11 @@ impl Keeper {
         let mut state = model.stepper.state()?;
         fault::strike_values(comm, "state", &mut state.nodal.values)?;
         comm.agree(check(&state, progress, model, &directory.join(NEWEST)))?;
+        let bug = |cause: serde_json::Error| Error::Bug(format!("checkpoint: {cause}"));
         let run = RunState {
             format: FORMAT,
             program: format!("column-hpc {}", env!("CARGO_PKG_VERSION")),
-            case: case.resolved(),
+            case: serde_json::value::to_raw_value(&case.resolved()).map_err(bug)?,
             nodes: all.nodes.total,
             secondary: comm.sum_u64(all.owned_secondary() as u64),
             step: state.step,
@@ -119,10 +125,7 @@ impl Keeper {
             fields: progress.fields.to_vec(),
         };
         // Only the root has the history.
-        let text = comm.on_root(|| {
-            let bug = |cause: serde_json::Error| Error::Bug(format!("checkpoint: {cause}"));
-            serde_json::to_vec(&run).map_err(bug)
-        })?;
+        let text = comm.on_root(|| serde_json::to_vec(&run).map_err(bug))?;
         let meta = String::from_utf8_lossy(&text);
         let fields = Checkpoint { meta: &meta, nodal: &state.nodal, interface: &state.interface };
         write(comm, publisher, directory, all.nodes.total, &fields)?;
@@ -194,7 +197,7 @@ impl Restart {
             let Some(path) = found.pop() else {
                 return Err(Error::Bug("a restart without a file".into()));
             };
-            let opened = Opened::new(comm, &path).and_then(|opened| {
+            let opened = Opened::new(comm, &path, longest_description(case)).and_then(|opened| {
                 let state = parse(&path, &opened.meta)?;
                 Ok((opened, state))
             });
@@ -255,32 +258,73 @@ impl Restart {
     }
 }
 
+/// More than the description of a checkpoint of a case has (bytes), so that another file is refused
+/// before it is read.
+fn longest_description(case: &Case) -> usize {
+    // Numbers are written with up to 24 characters, and states that are not stable in a few lines.
+    let rows = case.time.len() * (4096 + 32 * case.columns().len());
+    2 * LONGEST_CASE + rows
+}
+
 fn parse(path: &Path, meta: &str) -> Result<RunState> {
+    #[derive(Deserialize)]
+    struct Layout {
+        format: Option<u64>,
+    }
     let wrong =
         |cause: String| Error::Input(format!("cannot go on from {}: {cause}", path.display()));
-    let value: Value = serde_json::from_str(meta).map_err(|cause| wrong(cause.to_string()))?;
-    let format = value.get("format").and_then(Value::as_u64);
+    let Layout { format } = serde_json::from_str(meta).map_err(|cause| wrong(cause.to_string()))?;
     if format != Some(u64::from(FORMAT)) {
         let found = format.map_or("none".into(), |f| f.to_string());
         return Err(wrong(format!("its format is {found}, this program reads {FORMAT}")));
     }
-    let state: RunState =
-        serde_json::from_value(value).map_err(|cause| wrong(cause.to_string()))?;
-    let rows = state.history.rows.len();
-    let widths = state.history.rows.iter().all(|row| row.len() == state.history.columns.len());
-    if rows != state.accepted || state.residual_norms.len() != rows || !widths {
-        return Err(wrong(format!("it has {rows} rows for {} instants", state.accepted)));
-    }
+    let state: RunState = serde_json::from_str(meta).map_err(|cause| wrong(cause.to_string()))?;
+    state.check().map_err(wrong)?;
     Ok(state)
+}
+
+impl RunState {
+    /// What in it no run can have written, in words.
+    fn check(&self) -> std::result::Result<(), String> {
+        let (rows, columns) = (&self.history.rows, self.history.columns.len());
+        let count = rows.len();
+        if count != self.accepted
+            || self.residual_norms.len() != count
+            || rows
+                .iter()
+                .any(|row| row.len() != columns || row.first().is_none_or(Option::is_none))
+        {
+            return Err(format!("it has {count} rows for {} instants", self.accepted));
+        }
+        if let Some(count) = self.counts.iter().find(|count| **count > MOST_COUNTED) {
+            return Err(format!("it counts {count} corrections"));
+        }
+        let steps: Vec<usize> = self.fields.iter().map(|(step, _)| *step).collect();
+        let rising = steps.windows(2).all(|pair| pair[0] < pair[1]);
+        if !rising || steps.first() == Some(&0) || steps.last() > Some(&self.accepted) {
+            return Err(format!("its field files are not those of {count} instants"));
+        }
+        let words = [&self.step.instabilities, &self.step.bifurcations].into_iter().flatten();
+        if words.chain([&self.program]).any(|text| text.contains(char::is_control)) {
+            return Err("it holds characters that are no text".into());
+        }
+        if self.case.get().len() > LONGEST_CASE {
+            return Err(format!("its case has {} bytes", self.case.get().len()));
+        }
+        self.step.check()
+    }
 }
 
 /// In which of what the solution depends on the case is another one, in words.
 fn difference(state: &RunState, case: &Case) -> Option<String> {
+    let before = match serde_json::from_str(state.case.get()) {
+        Ok(before) => physics(before),
+        Err(cause) => return Some(format!("its case: {cause}")),
+    };
     // Both have been text, so that equal numbers are equal.
-    let now = serde_json::from_str(&case.resolved().to_string()).unwrap_or_default();
-    let (before, after) = (physics(state.case.clone()), physics(now));
-    if before != after {
-        let key = first_difference(&before, &after);
+    let now = physics(serde_json::from_str(&case.resolved().to_string()).unwrap_or_default());
+    if before != now {
+        let key = first_difference(&before, &now);
         let at = |case: &Value| {
             let pointer = format!("/{}", key.replace('.', "/"));
             case.pointer(&pointer).map_or("nothing".into(), Value::to_string)
@@ -288,18 +332,26 @@ fn difference(state: &RunState, case: &Case) -> Option<String> {
         return Some(format!(
             "`{key}` is {} there and {} here; a run goes on with the same model only",
             at(&before),
-            at(&after)
+            at(&now)
         ));
     }
     if state.history.columns != case.columns() {
         return Some("its history has other columns; keep interfaces, supports and probes".into());
     }
     let times: Vec<f64> = state.history.rows.iter().filter_map(|row| row[0]).collect();
-    let reached = case.time.iter().take(state.accepted);
-    if !reached.copied().eq(times.iter().copied()) {
+    if case.time.get(..state.accepted) != Some(&times[..]) {
         return Some(format!(
             "it has gone through the instants {times:?}, which time.instants has to begin with"
         ));
+    }
+    let (time, last) = (state.step.time, times.last().copied().unwrap_or(case.start));
+    let next = case.time.get(state.accepted);
+    if time < last || next.is_some_and(|next| time >= *next) {
+        let next = next.map_or("the end".into(), f64::to_string);
+        return Some(format!("its state is of time {time}, not between {last} and {next}"));
+    }
+    if state.step.load_factor.is_some() != case.control.is_some() {
+        return Some("its load factor is not of this case".into());
     }
     None
 }

@@ -28,6 +28,7 @@ use crate::timers::{Phase, Timers};
 use checkpoint::Restart;
 use session::Session;
 
+pub use check::describe;
 pub use screen::print_exit;
 
 /// Carries out a command; returns the exit status. `check` and `schema` need no MPI.
@@ -87,8 +88,11 @@ fn log_phases(runtime: &Runtime, timers: &Timers) {
     });
 }
 
-/// Everything between the start and the end of MPI. True when every expectation is met.
-fn run_case(runtime: &Runtime, timers: &Timers, options: &RunOptions) -> Result<bool> {
+/// Everything between the start and the end of MPI. True when every expectation is met. Collective.
+///
+/// # Errors
+/// What is wrong with the input, the numerics or the machine; the same on all ranks.
+pub fn run_case(runtime: &Runtime, timers: &Timers, options: &RunOptions) -> Result<bool> {
     let comm = &runtime.comm;
     let started = Instant::now();
     let case = read_case(comm, &options.case, &options.overrides)?;

@@ -31,5 +31,5 @@ pub use linear::{LinearChoice, MULTIGRID};
 pub use problem::Problem;
 pub use setup::{Model, build};
 pub use stability::{Instability, Stability};
-pub use state::{State, StepState};
+pub use state::{MOST_COUNTED, State, StepState};
 pub use stepping::{Accepted, Bifurcation, Stepper};

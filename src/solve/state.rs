@@ -41,6 +41,39 @@ pub struct StepState {
     pub bifurcations: Vec<String>,
 }
 
+/// Counts above are of no run, and could not be added to: the whole numbers that a float holds.
+pub const MOST_COUNTED: u64 = 1 << 53;
+
+impl StepState {
+    /// What in it no run can have written, in words; for what is read from a file. Local.
+    ///
+    /// # Errors
+    /// The name of the first such part and its value.
+    pub fn check(&self) -> std::result::Result<(), String> {
+        let wrong = |what: &str, value: f64| Err(format!("its {what} is {value}"));
+        if let Some(step) = self.step.filter(|step| !(step.is_finite() && *step > 0.0)) {
+            return wrong("step", step);
+        }
+        let [force, displacement] = self.scales;
+        let sizes =
+            [("residual norm", self.residual_norm), ("force", force), ("size", displacement)];
+        for (what, size) in sizes {
+            if !(size.is_finite() && size >= 0.0) {
+                return wrong(what, size);
+            }
+        }
+        let numbers =
+            self.energy.iter().chain(&self.fluid).chain(&self.load_factor).chain([&self.time]);
+        if let Some(number) = numbers.copied().find(|number| !number.is_finite()) {
+            return wrong("state", number);
+        }
+        match self.since_instant.iter().find(|count| **count as u64 > MOST_COUNTED) {
+            Some(count) => Err(format!("it counts {count} corrections or steps")),
+            None => Ok(()),
+        }
+    }
+}
+
 /// A state with its fields, this rank's own rows.
 pub struct State {
     /// What is not a field.
@@ -228,5 +261,31 @@ impl Stepper<'_> {
         self.work.pore_force = force;
         self.work.of_fluid = work;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_no_run_writes_is_told() {
+        assert_eq!(StepState::default().check(), Ok(()));
+        let good = || StepState { step: Some(0.5), load_factor: Some(-2.0), ..Default::default() };
+        assert_eq!(good().check(), Ok(()));
+        for (state, words) in [
+            (StepState { step: Some(0.0), ..good() }, "its step is 0"),
+            (StepState { step: Some(-1.0), ..good() }, "its step is -1"),
+            (StepState { residual_norm: -1.0, ..good() }, "its residual norm is -1"),
+            (StepState { scales: [-2.0, 0.0], ..good() }, "its force is -2"),
+            (StepState { scales: [0.0, f64::NAN], ..good() }, "its size is NaN"),
+            (StepState { energy: [0.0, f64::INFINITY, 0.0], ..good() }, "its state is inf"),
+            (
+                StepState { since_instant: [0, 1 << 54, 0], ..good() },
+                "it counts 18014398509481984 corrections or steps",
+            ),
+        ] {
+            assert_eq!(state.check(), Err(words.to_owned()));
+        }
     }
 }
