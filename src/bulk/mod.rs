@@ -5,9 +5,11 @@ mod loads;
 mod modal;
 mod parity;
 mod porous;
+mod porous_cell;
 
 pub use elastic::{Elastic, SplitForm, Stiffness};
 pub use loads::Loads;
 pub use modal::{MODES, Modal, couples, partner};
 pub use parity::{Block, MOST_ROWS, Parity, lattice_places};
-pub use porous::{FlowStep, MAX_CORNERS, PorousCell, PorousMedium};
+pub use porous::PorousMedium;
+pub use porous_cell::{FlowStep, MAX_CORNERS, PorousCell};

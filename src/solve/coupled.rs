@@ -32,7 +32,7 @@ use crate::timers::Phase;
 
 /// How many times smaller than that of forces the error of the fluid's balance has to be: errors of all
 /// steps add up in the accounts.
-const STRICTER: f64 = 10.0;
+const STRICTER: f64 = 100.0;
 
 /// A block of the preconditioner: a solver that is only asked for its preconditioner.
 struct Block {

@@ -52,6 +52,9 @@ pub struct Flow {
     before: [Vec<f64>; 3],
     /// Inflow of this rank's facets at the two ends of the step (m3/s), not summed.
     source: [Vec<f64>; 2],
+    /// What was left of the balance of owned nodes at the last accepted state (m3): the next step makes up
+    /// for it, so that the accounts close however many steps there are.
+    left: Vec<f64>,
     /// Largest nodal magnitude of the balance of the accepted states and of the last one (m3).
     scales: [f64; 2],
     /// Fluid stored at the start (m3).
@@ -88,6 +91,7 @@ impl Flow {
         Self {
             before: [initial.clone(), none(), none()],
             source: [none(), none()],
+            left: none(),
             pressure: initial,
             space,
             prescribed,
@@ -224,7 +228,7 @@ impl Flow {
         let ends = [earlier, self.theta * self.step.length];
         for (i, row) in rows.iter_mut().enumerate() {
             let source: f64 = ends.iter().zip(&self.source).map(|(part, s)| part * s[i]).sum();
-            *row += earlier * flow[i] - stored[i] - source;
+            *row += earlier * flow[i] - stored[i] - source + self.left[i];
             sizes[i] += source.abs();
         }
         [rows, sizes]
@@ -282,7 +286,10 @@ impl Flow {
     pub fn accept(&mut self, comm: &Comm, all: &Discretization, u: &[f64]) {
         self.scales[0] = self.scales[0].max(self.scales[1]);
         let [mut rows, _] = self.rows(all, u, true);
+        let mut left = rows.clone();
+        self.space.fold(&mut left);
         self.space.nodes.add_to_owners(&mut rows, 1);
+        self.left = left;
         let mut sums = vec![0.0; 3 + 2 * self.into_sides.len()];
         let ends = [(1.0 - self.theta) * self.step.length, self.theta * self.step.length];
         for (part, source) in ends.iter().zip(&self.source) {

@@ -40,6 +40,9 @@ const MULTIGRID: &[(&str, &str)] = &[
     ("pc_hypre_boomeramg_strong_threshold", "0.5"),
 ];
 
+/// The first step after a jump of the load is so much of the shortest one that does not oscillate.
+const FIRST: f64 = 0.01;
+
 /// Few pressures are eliminated.
 const ELIMINATION: &[(&str, &str)] =
     &[("ksp_type", "preonly"), ("pc_type", "cholesky"), ("pc_factor_mat_solver_type", "mumps")];
@@ -97,7 +100,7 @@ pub fn couple(
     }
     bounds[2] = -shortest;
     comm.max(&mut bounds);
-    let pace = flow.tolerance.map(|tolerance| Pace::new(tolerance, -bounds[2]));
+    let pace = flow.tolerance.map(|tolerance| Pace::new(tolerance, FIRST * -bounds[2]));
     let density = case.materials.iter().find_map(|m| Some(m.porous.as_ref()?.fluid_density));
     let mut gravity = [0.0; 3];
     axes(dim).iter().enumerate().for_each(|(c, axis)| gravity[c] = case.gravity[*axis]);

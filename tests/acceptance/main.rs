@@ -5,10 +5,12 @@
 mod common;
 mod branches;
 mod energy;
+mod flow;
+mod fluid;
 #[path = "../common/faults.rs"]
 #[allow(dead_code)] // as above
 mod faults;
-mod fluid;
+
 mod kills;
 mod locking;
 mod lorentz;

@@ -206,8 +206,8 @@ impl Parts {
     fn write(&self, runtime: &Runtime, directory: &std::path::Path) {
         let mut meta = self.meta.to_string();
         for (start, length, text) in &self.splices {
-            let start = meta.floor_char_boundary(*start);
-            let end = meta.floor_char_boundary(start.saturating_add(*length));
+            let start = boundary(&meta, *start);
+            let end = boundary(&meta, start.saturating_add(*length));
             meta.replace_range(start..end, text);
         }
         let mut publisher = Publisher::default();
@@ -299,4 +299,9 @@ fn change_bytes(bytes: &mut Vec<u8>, line: &[&str]) -> Option<()> {
         _ => return None,
     }
     Some(())
+}
+
+/// The last place up to `place` at which a character begins.
+fn boundary(text: &str, place: usize) -> usize {
+    (0..=place.min(text.len())).rev().find(|at| text.is_char_boundary(*at)).unwrap_or(0)
 }

@@ -1,0 +1,315 @@
+//! The cells of a saturated porous medium: what they store, and the flow in them.
+//!
+//! Pressures and masses as in [`PorousMedium`].
+
+use super::PorousMedium;
+use crate::element::{Shape, gauss};
+use crate::mesh::{Prototype, axes};
+
+/// Corners of the largest cell.
+pub const MAX_CORNERS: usize = 8;
+
+/// How a step of time is taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlowStep {
+    /// Its length (s).
+    pub length: f64,
+    /// Weight of its end, 0.5 to 1.
+    pub theta: f64,
+    /// Acceleration of gravity by component (m/s2).
+    pub gravity: [f64; 3],
+    /// Whether each node stores the fluid of its share of the cell by its own pressure.
+    pub lumped: bool,
+}
+
+/// A point of the Gauss rule of a cell.
+#[derive(Debug, Clone)]
+struct Point {
+    /// Weight times volume (m3).
+    volume: f64,
+    /// Derivatives of the volumetric strain by the displacements (1/m).
+    divergence: Vec<f64>,
+    /// Values of the linear shape functions of the pressure.
+    values: [f64; MAX_CORNERS],
+    /// Their gradients (1/m).
+    gradients: [[f64; 3]; MAX_CORNERS],
+}
+
+/// What the cells of one size, material and order have in common.
+#[derive(Debug, Clone)]
+pub struct PorousCell {
+    /// The material.
+    pub medium: PorousMedium,
+    dim: usize,
+    order: usize,
+    /// Edge lengths by component (m).
+    size: [f64; 3],
+    points: Vec<Point>,
+    /// Integral of b div v N: row by displacement, column by pressure (m2).
+    coupling: Vec<f64>,
+    /// Integral of N N: row and column by pressure (m3).
+    mass: Vec<f64>,
+    /// Integral of the product of the slopes of N along each component (m).
+    slopes: Vec<Vec<f64>>,
+}
+
+impl PorousCell {
+    /// Integrates over a box, exactly for what does not depend on the state.
+    pub fn new(prototype: &Prototype, medium: PorousMedium, dim: usize) -> Self {
+        let shape = Shape::of(dim, prototype.order);
+        let corners = shape.corners();
+        let mut size = [1.0; 3];
+        axes(dim).iter().enumerate().for_each(|(c, axis)| size[c] = prototype.size[*axis]);
+        let volume: f64 = size[..dim].iter().product();
+        let slope = |g: &[f64; 3]| -> [f64; 3] { std::array::from_fn(|c| 2.0 * g[c] / size[c]) };
+        let point = |q: crate::element::QuadraturePoint| {
+            let mut reference = vec![[0.0; 3]; shape.nodes()];
+            shape.gradients(q.xi, &mut reference);
+            let divergence = reference.iter().flat_map(|g| slope(g).into_iter().take(dim));
+            let mut values = [0.0; MAX_CORNERS];
+            corners.values(q.xi, &mut values);
+            let mut of_corners = [[0.0; 3]; MAX_CORNERS];
+            corners.gradients(q.xi, &mut of_corners);
+            Point {
+                volume: q.weight * volume / f64::from(1 << dim),
+                divergence: divergence.collect(),
+                values,
+                gradients: of_corners.map(|g| slope(&g)),
+            }
+        };
+        let points: Vec<Point> = gauss(shape, prototype.order + 1).into_iter().map(point).collect();
+        let (rows, np) = (shape.nodes() * dim, corners.nodes());
+        let mut coupling = vec![0.0; rows * np];
+        let mut mass = vec![0.0; np * np];
+        let mut slopes = vec![vec![0.0; np * np]; dim];
+        for q in &points {
+            for (row, divergence) in coupling.chunks_exact_mut(np).zip(&q.divergence) {
+                let factor = medium.biot * q.volume * divergence;
+                row.iter_mut().zip(&q.values).for_each(|(k, n)| *k += factor * n);
+            }
+            for a in 0..np {
+                for b in 0..np {
+                    mass[a * np + b] += q.volume * q.values[a] * q.values[b];
+                    for (c, slopes) in slopes.iter_mut().enumerate() {
+                        let product = q.gradients[a][c] * q.gradients[b][c];
+                        slopes[a * np + b] += q.volume * product;
+                    }
+                }
+            }
+        }
+        Self { medium, dim, order: prototype.order, size, points, coupling, mass, slopes }
+    }
+
+    /// Corners of the cell.
+    pub fn corners(&self) -> usize {
+        1 << self.dim
+    }
+
+    /// Adds the forces of the pressure on the nodes, b times the integral of div v p (N).
+    pub fn add_force(&self, p: &[f64], force: &mut [f64]) {
+        let np = self.corners();
+        for (force, row) in force.iter_mut().zip(self.coupling.chunks_exact(np)) {
+            *force += row.iter().zip(p).map(|(k, p)| k * p).sum::<f64>();
+        }
+    }
+
+    /// Adds the transpose of [`PorousCell::add_force`] (m3).
+    pub fn add_volume(&self, u: &[f64], volume: &mut [f64]) {
+        let np = self.corners();
+        for (row, u) in self.coupling.chunks_exact(np).zip(u) {
+            volume.iter_mut().zip(row).for_each(|(v, k)| *v += k * u);
+        }
+    }
+
+    /// How much the slopes of the change of the pressure in a step are held back, by component
+    /// (m2/Pa), so that the pressures of neighbours never pull the wrong way: cells of first order
+    /// in displacement and pressure need b^2 h^2/(4 (lambda + 2 mu)) where nothing flows (Aguilar,
+    /// Gaspar, Lisbona, Rodrigo, Int. J. Numer. Methods Engrg. 75, 2008), and h^2/6 of the storage;
+    /// what flows within the step counts. Cells of second order get none.
+    pub fn held_back(&self, step: &FlowStep) -> [f64; 3] {
+        let m = &self.medium;
+        if self.order > 1 {
+            return [0.0; 3];
+        }
+        let stored = if step.lumped { 0.0 } else { m.storage() / 6.0 };
+        let needed = m.biot * m.biot / (4.0 * m.oedometric) + stored;
+        let flows = step.theta * step.length * m.mobility;
+        std::array::from_fn(|c| (needed * self.size[c] * self.size[c] - flows).max(0.0))
+    }
+
+    /// Whether short steps are [held back](Self::held_back).
+    pub fn is_held_back(&self) -> bool {
+        self.order == 1
+    }
+
+    /// The shortest step (s) in which the pressure of the cell does not oscillate without being held
+    /// back: h^2/(6 theta c_v) (Vermeer, Verruijt, Int. J. Numer. Anal. Methods Geomech. 5, 1981).
+    pub fn shortest_step(&self, theta: f64) -> f64 {
+        let longest = self.size[..self.dim].iter().fold(0.0_f64, |m, h| m.max(*h));
+        longest * longest / (6.0 * theta * self.medium.consolidation())
+    }
+
+    /// Adds to `rows` what is stored at the end of a step at each node's share, and what flows off in the
+    /// weighted part of it; `sizes` gets the sum of the magnitudes, and of what the skeleton yields to the
+    /// pressure, which does not vanish where nothing flows (m3). `u` and `p` are those of the end,
+    /// `before` the pressures of the start.
+    pub fn add_balance(
+        &self,
+        (u, p, before): (&[f64], &[f64], &[f64]),
+        step: &FlowStep,
+        rows: &mut [f64],
+        sizes: &mut [f64],
+    ) {
+        let np = self.corners();
+        self.add_stored(u, p, step.lumped, rows, sizes);
+        self.add_flow(p, &step.gravity, step.theta * step.length, rows, sizes);
+        let yielding = self.medium.yielding();
+        for (a, size) in sizes.iter_mut().enumerate() {
+            let share: f64 = self.mass[a * np..][..np].iter().sum();
+            *size += yielding * share * p[a].abs();
+        }
+        let held = self.held_back(step);
+        if held == [0.0; 3] {
+            return;
+        }
+        for a in 0..np {
+            let mut sum = 0.0;
+            for b in 0..np {
+                let change = p[b] - before[b];
+                sum += self.held_entry(&held, a * np + b) * change;
+            }
+            rows[a] += sum;
+            sizes[a] += sum.abs();
+        }
+    }
+
+    fn held_entry(&self, held: &[f64; 3], entry: usize) -> f64 {
+        self.slopes.iter().zip(held).map(|(slopes, held)| held * slopes[entry]).sum()
+    }
+
+    /// Adds the change of the stored fluid since the undeformed state at `u` and `p` (m3).
+    pub fn add_stored(
+        &self,
+        u: &[f64],
+        p: &[f64],
+        lumped: bool,
+        rows: &mut [f64],
+        sizes: &mut [f64],
+    ) {
+        let np = self.corners();
+        for q in &self.points {
+            let strain: f64 = q.divergence.iter().zip(u).map(|(d, u)| d * u).sum();
+            let values = &q.values[..np];
+            if lumped {
+                for a in 0..np {
+                    let change = self.medium.content(strain, p[a]).change;
+                    rows[a] += q.volume * values[a] * change;
+                    sizes[a] += q.volume * values[a] * change.abs();
+                }
+                continue;
+            }
+            let at: f64 = values.iter().zip(p).map(|(n, p)| n * p).sum();
+            let change = q.volume * self.medium.content(strain, at).change;
+            for a in 0..np {
+                rows[a] += values[a] * change;
+                sizes[a] += values[a] * change.abs();
+            }
+        }
+    }
+
+    /// Adds what flows off in the time `length` at the pressures `p` (m3): Darcy's law with the density
+    /// of the fluid.
+    pub fn add_flow(
+        &self,
+        p: &[f64],
+        gravity: &[f64; 3],
+        length: f64,
+        rows: &mut [f64],
+        sizes: &mut [f64],
+    ) {
+        let np = self.corners();
+        for q in &self.points {
+            let at: f64 = q.values[..np].iter().zip(p).map(|(n, p)| n * p).sum();
+            let ratio = self.medium.density_ratio(at);
+            let mut flux = self.minus_flux(&q.gradients[..np], p, gravity, ratio);
+            flux.iter_mut().for_each(|f| *f *= ratio * length * q.volume);
+            for a in 0..np {
+                let g = &q.gradients[a];
+                let off = g[0] * flux[0] + g[1] * flux[1] + g[2] * flux[2];
+                rows[a] += off;
+                sizes[a] += off.abs();
+            }
+        }
+    }
+
+    /// (k/mu) (grad p - rho g), by component (m/s).
+    fn minus_flux(
+        &self,
+        gradients: &[[f64; 3]],
+        p: &[f64],
+        gravity: &[f64; 3],
+        ratio: f64,
+    ) -> [f64; 3] {
+        std::array::from_fn(|c| {
+            if c >= self.dim {
+                return 0.0;
+            }
+            let slope: f64 = gradients.iter().zip(p).map(|(g, p)| g[c] * p).sum();
+            self.medium.mobility * (slope - self.medium.density * ratio * gravity[c])
+        })
+    }
+
+    /// Derivative of the rows of [`PorousCell::add_balance`] by the pressures, linearised at rest, row
+    /// by row (m3/Pa): storage, flow, and what is held back. It is symmetric and the same for every
+    /// state; what it leaves out is of the order of the strain and of p/K_w.
+    pub fn compressibility(&self, step: &FlowStep) -> Vec<f64> {
+        let np = self.corners();
+        let held = self.held_back(step);
+        let flows = step.theta * step.length * self.medium.mobility;
+        let flows = held.map(|held| held + flows);
+        let mut matrix = vec![0.0; np * np];
+        for a in 0..np {
+            for b in 0..np {
+                let entry = a * np + b;
+                let storage = self.medium.storage() * self.mass[entry];
+                let at = if step.lumped { a * np + a } else { entry };
+                matrix[at] += storage;
+                matrix[entry] += self.held_entry(&flows, entry);
+            }
+        }
+        matrix
+    }
+
+    /// What the skeleton yields to a pressure, times the integral of N N (m3/Pa): about the part of the
+    /// Schur complement that the displacements make (J. White, R. Borja, Comput. Geosci. 15, 2011).
+    pub fn yielding(&self) -> Vec<f64> {
+        let factor = self.medium.yielding();
+        self.mass.iter().map(|m| factor * m).collect()
+    }
+
+    /// Flux of the fluid (kg/m2/s, by component), pressure (Pa above the reference) and porosity at
+    /// the centre.
+    pub fn at_centre(&self, u: &[f64], p: &[f64], gravity: &[f64; 3]) -> ([f64; 3], f64, f64) {
+        let np = self.corners();
+        let pressure = p[..np].iter().sum::<f64>() / np as f64;
+        let ratio = self.medium.density_ratio(pressure);
+        let volume: f64 = self.points.iter().map(|q| q.volume).sum();
+        // Averages of the values at the points of the rule.
+        let mut strain = 0.0;
+        let mut gradients = [[0.0; 3]; MAX_CORNERS];
+        for q in &self.points {
+            let share = q.volume / volume;
+            strain += share * q.divergence.iter().zip(u).map(|(d, u)| d * u).sum::<f64>();
+            for (sum, g) in gradients.iter_mut().zip(&q.gradients) {
+                (0..3).for_each(|c| sum[c] += share * g[c]);
+            }
+        }
+        let flux = self.minus_flux(&gradients[..np], p, gravity, ratio);
+        let density = -self.medium.density * ratio;
+        (flux.map(|f| density * f), pressure, self.medium.porosity_at(strain, pressure))
+    }
+}
+
+#[cfg(test)]
+#[path = "porous_tests.rs"]
+mod tests;

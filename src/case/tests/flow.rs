@@ -1,0 +1,84 @@
+//! What of flow is computed, left out and refused.
+
+use super::mistakes::message;
+use super::*;
+
+const POROUS: &str = "materials.rock.porous={biot: 0.8, porosity: 0.15, permeability: 1.0e-19, \
+                      viscosity: 1.0e-3, fluid_compressibility: 5.0e-10, fluid_density: 1000, \
+                      density: 2500}";
+
+#[test]
+fn flow_is_computed_where_a_pressure_is_not_known_beforehand() {
+    let case = good(&[POROUS, "boundary.2={on: top, pressure: 3}"]);
+    assert_eq!(case.physics, PhysicsDecision::HydroMechanics);
+    let flow = case.flow.as_ref().expect("flow");
+    assert_eq!((flow.theta, flow.tolerance, flow.lumped), (1.0, None, false));
+    assert!(flow.initial.is_zero());
+    let columns = case.columns();
+    let last = ["energy.external", "energy.fluid", "mass.in", "mass.out", "mass.stored"];
+    assert_eq!(columns[columns.len() - 5..], last);
+
+    let known = [POROUS, "boundary.2={on: all, pressure: 0}"];
+    assert_eq!(good(&known).physics, PhysicsDecision::Mechanics);
+    let asked = good(&[known[0], known[1], "physics=hydro_mechanics", "time.theta=0.5"]);
+    assert_eq!(asked.physics, PhysicsDecision::HydroMechanics);
+    assert_eq!(asked.flow.expect("flow").theta, 0.5);
+    let resolved = good(&[POROUS]).resolved();
+    assert_eq!(resolved["physics"], "hydro_mechanics");
+}
+
+#[test]
+fn a_connected_fluid_reports_what_flows_into_either_side() {
+    let case = good(&[POROUS, "interfaces.0.fluid={pressure: 1.0e7, connected: true}"]);
+    assert!(case.interfaces[0].connected);
+    let columns = case.columns();
+    for name in ["joint.flux_lower", "joint.flux_upper"] {
+        assert!(columns.contains(&name.to_owned()), "{name}");
+    }
+}
+
+#[test]
+fn mistakes_of_flow_are_told() {
+    for (assignments, words) in [
+        (vec!["boundary.2={on: top, pressure: 3}"], "acts on pores, but no material is porous"),
+        (vec!["boundary.2={on: top, flux: 1}"], "acts on pores, but no material is porous"),
+        (vec!["initial.pressure=1"], "acts on pores, but no material is porous"),
+        (
+            vec!["interfaces.0.fluid={pressure: 1.0e7, connected: true}"],
+            "acts on pores, but no material is porous",
+        ),
+        (vec!["physics=hydro_mechanics"], "hydro_mechanics needs a material with porous data"),
+        (vec!["gravity=[0, 0, -9.81]"], "gravity acts on the density that stands there"),
+        (
+            vec![POROUS, "physics=mechanics", "boundary.2={on: top, pressure: 3}"],
+            "needs physics: hydro_mechanics or auto",
+        ),
+        (vec![POROUS, "time.theta=0.4"], "must lie in [0.5, 1], got 0.4"),
+        (
+            vec![POROUS, "boundary.2={on: top, pressure: 3, flux: 1}"],
+            "prescribes the pressure and the flux; give one of them",
+        ),
+        (vec![POROUS, "boundary.2={on: all, flux: 1}"], "is on `all`, which is no surface"),
+        (vec![POROUS, "materials.rock.porous.porosity=1.5"], "porosity must be"),
+        (vec![POROUS, "materials.rock.porous.biot=0.1"], "must be at least the porosity 0.15"),
+        (vec![POROUS, "materials.rock.porous.biot=1.1"], "biot must be"),
+        (vec![POROUS, "materials.rock.porous.permeability=-1"], "permeability must be"),
+        (vec![POROUS, "solver.form=saddle_point"], "saddle_point knows no pore pressure"),
+        (vec![POROUS, "solver.stability=follow"], "must be auto or off with flow"),
+        (
+            vec![POROUS, "control={opening: {of: joint, equals: 1.0e-4}}"],
+            "cannot stand beside flow, which depends on time",
+        ),
+    ] {
+        let text = message("mesh", "mesh", &assignments);
+        assert!(text.contains(words), "{assignments:?}: {text}");
+    }
+    let two = [
+        "materials.rock.z=[0, 2]",
+        "materials.base={z: [2, 5], elastic: {young_modulus: 1.0e9, poisson_ratio: 0.2}}",
+        POROUS,
+        "boundary.2={on: top, pressure: 3}",
+    ];
+    let text = message("mesh", "mesh", &two);
+    assert!(text.contains("acts on base, which has no porous data"), "{text}");
+}

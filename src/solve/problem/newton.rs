@@ -1,0 +1,138 @@
+//! The problem as the callbacks of Newton's method see it.
+
+use super::{Problem, TangentForm};
+use crate::error::{Error, Result};
+use crate::fault;
+use crate::petsc::{
+    FurtherSolve, LinearTolerance, Matrix, NonlinearSystem, TangentChange, Trial, Verdict,
+};
+use crate::solve::condensed;
+use crate::timers::Phase;
+
+impl NonlinearSystem for Problem<'_> {
+    fn residual(&mut self, x: &[f64], f: &mut [f64]) -> Result<()> {
+        self.evaluate(x, f, true);
+        fault::strike_values(self.comm, "residual", &mut *f)?;
+        self.convergence.see_residual(&self.all, f);
+        Ok(())
+    }
+
+    fn tangent(&mut self, _x: &[f64], matrix: &mut Matrix) -> Result<TangentChange> {
+        fault::strike(self.comm, "tangent")?;
+        let state = self.local_states();
+        if !self.comm.any(self.assembled_state.as_ref() != Some(&state)) {
+            return Ok(TangentChange::Unchanged);
+        }
+        let _phase = self.timers.enter(Phase::Assembly);
+        match &mut self.form {
+            TangentForm::Assembled(tangent) => {
+                tangent.assemble(self.comm, &self.all, &state, matrix)?;
+            }
+            TangentForm::Levels(hierarchy) => {
+                hierarchy.set_state(self.comm, &state, matrix)?;
+                // The levels are set up in no time.
+                self.assembled_state = Some(state);
+                return Ok(TangentChange::Changed);
+            }
+            TangentForm::Elsewhere => {
+                return Err(Error::Bug("a tangent that is held elsewhere".into()));
+            }
+        }
+        let serves = self
+            .preconditioned
+            .as_ref()
+            .is_some_and(|old| old.iter().zip(&state).all(|(old, new)| old.is_close_to(new)));
+        self.assembled_state = Some(state.clone());
+        if self.comm.any(!serves) {
+            self.preconditioned = Some(state);
+            return Ok(TangentChange::Changed);
+        }
+        Ok(TangentChange::ChangedKeepPreconditioner)
+    }
+
+    fn direction(
+        &mut self,
+        _x: &[f64],
+        correction: &mut [f64],
+        solve: &mut FurtherSolve<'_>,
+    ) -> Result<()> {
+        fault::strike_values(self.comm, "linear", &mut *correction)?;
+        self.interfaces.lean = 1.0;
+        let part = self.convergence.part_of_step;
+        let Some(path) = self.path.as_mut().filter(|path| path.follows()) else {
+            condensed::follow(&self.all, &self.interfaces, correction);
+            self.keep(correction);
+            correction.iter_mut().for_each(|c| *c *= part);
+            return Ok(());
+        };
+        let before = path.factor;
+        let (comm, all, state) = (self.comm, &self.all, &self.interfaces);
+        let rhs = path.load_residual(comm, all, state);
+        let mut along = vec![0.0; rhs.len()];
+        match solve(&rhs, &mut along) {
+            Ok(()) => {
+                path.combine(comm, all, state, correction, along);
+                path.factor = before + part * (path.factor - before);
+                correction.iter_mut().for_each(|c| *c *= part);
+            }
+            Err(Error::Numerics(words)) => path.failure = Some(words),
+            Err(other) => return Err(other),
+        }
+        self.scale_load();
+        Ok(())
+    }
+
+    fn trial(&mut self, correction: &[f64], norm: f64) -> Result<Trial> {
+        if self.path.is_some() {
+            // The correction is not yet the whole one.
+            return Ok(Trial::GoOn(None));
+        }
+        let mut x = correction.to_vec();
+        condensed::follow(&self.all, &self.interfaces, &mut x);
+        x.iter_mut().zip(&self.displacement).for_each(|(x, u)| *x = u - *x);
+        // The linear solve goes on from the state that was linearised.
+        self.exchange_with_spare();
+        let response = self.interfaces.response.clone();
+        let scales = self.convergence.current();
+        let mut f = vec![0.0; x.len()];
+        // The scale of the accepted states, once there is one, only makes the trial stricter.
+        self.evaluate(&x, &mut f, self.convergence.accepted_force() == 0.0);
+        let mut sums = [f.iter().map(|f| f * f).sum::<f64>()];
+        self.comm.sum(&mut sums);
+        let worst = self.worst_force(&f);
+        let excess = self.convergence.excess(self.comm, &self.all, &self.interfaces, worst);
+        self.convergence.see_again(scales);
+        self.exchange_with_spare();
+        self.interfaces.response = response;
+        Ok(self.linear.trial(norm, sums[0].sqrt(), excess))
+    }
+
+    fn initial_guess(&mut self, rhs: &[f64], guess: &mut [f64]) -> Result<()> {
+        let free = condensed::free_components(&self.all, &self.interfaces);
+        let uncoupled = free.iter().zip(rhs).zip(guess.iter_mut()).filter(|((free, _), _)| !**free);
+        uncoupled.for_each(|((_, rhs), guess)| *guess = rhs / self.diagonal);
+        let (comm, all, state) = (self.comm, &self.all, &self.interfaces);
+        let rigid = self.rigid.closest(comm, all, state, self.diagonal, &free, rhs);
+        if let Some(rigid) = rigid {
+            self.recycle.lend(comm, all, &rigid);
+        }
+        self.recycle.guess(comm, all, state, &free, rhs, guess);
+        Ok(())
+    }
+
+    fn verdict(&mut self, iteration: usize, _x: &[f64], f: &[f64], norm: f64) -> Result<Verdict> {
+        let mut control = 0.0;
+        if let Some(path) = &self.path {
+            if path.failure.is_some() {
+                self.convergence.failure.clone_from(&path.failure);
+                return Ok(Verdict::Diverged);
+            }
+            control = path.error(self.comm, &self.all, &self.interfaces);
+        }
+        self.judge(iteration, f, norm, control)
+    }
+
+    fn linear_tolerance(&mut self, _iteration: usize, norm: f64) -> LinearTolerance {
+        self.linear.tolerance(norm, self.convergence.accepted_force())
+    }
+}

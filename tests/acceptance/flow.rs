@@ -1,0 +1,194 @@
+//! Pore pressure and displacement together.
+
+use crate::scene::{Run, Scene, fresh};
+
+fn last(run: &Run, name: &str) -> f64 {
+    *run.column(name).last().expect("an instant")
+}
+
+/// With a pressure that is 0 everywhere the coupled model is the mechanical one.
+#[test]
+fn without_a_pressure_it_is_the_reference_problem() {
+    for (index, case) in ["wtnv146/case.yaml", "wtnv146/case_2d.yaml"].iter().enumerate() {
+        for (order, ranks) in [(1, 1), (2, 2), (1, 3)] {
+            let solver = ["mumps", "multigrid"][(index + ranks) % 2];
+            let scene = Scene::shipped(case)
+                .set(&format!("mesh.order={order}"))
+                .set(&format!("solver.linear={solver}"));
+            let alone = scene.on(1);
+            let coupled = scene.set("physics=hydro_mechanics").on(ranks);
+            assert_eq!(coupled.report["model"]["physics"], "hydro_mechanics");
+            assert_eq!(alone.report["model"]["physics"], "mechanics");
+            let expectations = coupled.report["expectations"].as_array().expect("a list");
+            assert!(expectations.len() >= 30);
+            assert!(expectations.iter().all(|e| e["met"] == true), "{}", coupled.label);
+            let corrections = |run: &Run| run.column("newton_iterations");
+            for (one, other) in corrections(&alone).iter().zip(corrections(&coupled)) {
+                assert!(other <= one + 1.0, "{}: {other} corrections, not {one}", coupled.label);
+            }
+            for name in ["normal_traction.mean", "shear_traction_x.mean", "normal_jump.mean"] {
+                let name = format!("joint.{name}");
+                let scale = if name.contains("traction") { 1e5 } else { 1e-4 };
+                for (a, b) in alone.column(&name).iter().zip(coupled.column(&name)) {
+                    assert!((a - b).abs() <= 1e-10 * scale, "{}: {name} {a} {b}", coupled.label);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn terzaghi() {
+    let scene = Scene::shipped("terzaghi/case.yaml").in_any_steps();
+    for ranks in 1..=3 {
+        let run = scene.on(ranks);
+        assert_eq!(run.report["expectations"].as_array().expect("a list").len(), 5);
+        // The first step neither over- nor undershoots.
+        for probe in ["base", "middle", "below_top"] {
+            let first = run.column(&format!("{probe}.pressure"))[0];
+            assert!((0.999..=1.001).contains(&first), "{}: {first}", run.label);
+        }
+        assert!(run.screen.contains("cells of first order are held back"), "{}", run.screen);
+        let balance = last(&run, "mass.in") - last(&run, "mass.out") - last(&run, "mass.stored");
+        assert!(balance.abs() <= 1e-10 * last(&run, "mass.out"), "{}: {balance}", run.label);
+        let given = last(&run, "energy.external") + last(&run, "energy.fluid");
+        let kept = last(&run, "energy.elastic") + last(&run, "energy.dissipated");
+        assert!((given - kept).abs() <= 1e-8 * kept, "{}: {given} {kept}", run.label);
+    }
+    // Cells of second order overshoot there, and say so.
+    let missed = scene.set("mesh.order=2").set("time.instants=[1.0e-4]").set("expect=").on(1);
+    assert!(missed.column("below_top.pressure")[0] > 1.1);
+    assert!(missed.screen.contains("oscillates with cells of second order"), "{}", missed.screen);
+}
+
+/// The pressure at the end converges with the second order of the cells.
+#[test]
+fn terzaghi_converges() {
+    let errors: Vec<f64> = [4, 8, 16]
+        .iter()
+        .map(|cells| {
+            let run = Scene::shipped("terzaghi/case.yaml")
+                .in_any_steps()
+                .set(&format!("mesh.column.cells=[1, {cells}]"))
+                .set("time.theta=0.5")
+                .set("time.tolerance=1.0e-5")
+                .set("expect=")
+                .on(1);
+            (last(&run, "base.pressure") - 0.685445767).abs()
+        })
+        .collect();
+    for pair in errors.windows(2) {
+        let order = (pair[0] / pair[1]).log2();
+        println!("errors {:.3e} {:.3e}, order {order:.2}", pair[0], pair[1]);
+        assert!(order > 1.7, "{errors:?}");
+    }
+}
+
+#[test]
+fn wtnv147() {
+    let flat = Scene::shipped("wtnv147/case.yaml");
+    let deep = flat
+        .set("mesh.column={size: [1, 1, 5], cells: [2, 1, 5]}")
+        .set("boundary.0.displacement.y=0")
+        .set("boundary.1.displacement.y=0")
+        .set("boundary.2.displacement.y=0")
+        .set("boundary.3.displacement.y=0")
+        .set("boundary.4={on: front, displacement: {x: 0, y: 0, z: 0}}")
+        .set("boundary.5={on: back, displacement: {x: 0, y: 0, z: 0}}")
+        .set("probes=[{name: half, at: [0.5, 0.5, 2]}, {name: above, at: [0.5, 0.5, 3]}]");
+    for (scene, ranks) in [(&flat, 1), (&flat, 3), (&deep, 2)] {
+        let run = scene.on(ranks);
+        let expectations = run.report["expectations"].as_array().expect("a list");
+        assert!(expectations.iter().all(|e| e["met"] == true), "{}", run.label);
+    }
+}
+
+/// Fluid that is pressed into a cohesive interface opens it and flows into porous rock of two kinds, with
+/// gravity and a flux through one side.
+const DRIVEN: &str = "
+mesh: {column: {size: [1, 1, 4], bodies: [{cells: [2, 2, 4]}, {cells: [3, 3, 5]}]}}
+materials:
+  sandstone:
+    z: [0, 1]
+    elastic: {young_modulus: 5.0e9, poisson_ratio: 0.2}
+    porous: {biot: 0.8, porosity: 0.2, permeability: 1.0e-15, viscosity: 1.0e-3,
+             fluid_compressibility: 4.5e-10, fluid_density: 1000, density: 2300}
+  rock:
+    z: [1, 4]
+    elastic: {young_modulus: 2.0e10, poisson_ratio: 0.25}
+    porous: {biot: 0.7, porosity: 0.1, permeability: 1.0e-17, viscosity: 1.0e-3,
+             fluid_compressibility: 4.5e-10, fluid_density: 1000, density: 2500}
+interfaces:
+  - name: joint
+    z: 2
+    law: {linear_softening: {strength: 1.0e6, fracture_energy: 2000}}
+    fluid: {pressure: {table: [[0, 0], [100, 2.0e6], [300, 0.5e6]]}, connected: true}
+boundary:
+  - {on: bottom, displacement: {x: 0, y: 0, z: 0}, pressure: 0}
+  - {on: top, displacement: {x: 0, y: 0, z: 0}}
+  - {on: left, flux: 1.0e-6}
+gravity: [0, 0, -9.81]
+time: {instants: [50, 75, 100, 200, 300], tolerance: 5.0e-2}
+solver: {linear: mumps}
+probes: [{name: mid, at: [0.5, 0.5, 1.25]}]
+";
+
+#[test]
+fn a_driven_interface_balances_and_is_the_same_on_any_ranks() {
+    let scene = Scene::new("driven", DRIVEN).in_any_steps();
+    let one = scene.on(1);
+    let opened = one.column("joint.normal_jump.max").into_iter().fold(0.0, f64::max);
+    assert!(opened > 1e-6, "the fluid opens the interface: {opened}");
+    for (index, inflow) in one.column("mass.in").iter().enumerate() {
+        let [out, stored] = ["mass.out", "mass.stored"].map(|name| one.column(name)[index]);
+        assert!((inflow - out - stored).abs() <= 1e-10 * inflow.abs(), "{inflow} {out} {stored}");
+    }
+    let energies = ["elastic", "dissipated", "external", "fluid"];
+    let [elastic, dissipated, external, fluid] =
+        energies.map(|name| one.column(&format!("energy.{name}")));
+    println!("energies {elastic:?} {dissipated:?} {external:?} {fluid:?}");
+    let others = [(2, "multigrid"), (3, "gamg"), (4, "hypre"), (2, "mumps")];
+    for (index, (ranks, solver)) in others.into_iter().enumerate() {
+        let scene = scene.set(&format!("solver.linear={solver}"));
+        let run = if index == 3 { scene.scattered().on(ranks) } else { scene.on(ranks) };
+        for name in one.table.columns.iter().filter(|name| !name.contains("iterations")) {
+            let scale = one.column(name).iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+            let scale = match name.split('.').next_back() {
+                Some("min" | "max" | "mean") if name.contains("traction") => 1e6,
+                Some(of) if of.starts_with("reaction") => 1e6,
+                Some(of) if of.starts_with("displacement") => 1e-4,
+                Some("min" | "max" | "mean") if name.contains("jump") => 1e-4,
+                Some("min" | "max" | "mean") if name.contains("sliding") => 1e-4,
+                _ => scale,
+            };
+            for (a, b) in one.column(name).iter().zip(run.column(name)) {
+                assert!((a - b).abs() <= 1e-8 * scale, "{}: {name}: {a} and {b}", run.label);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_run_with_flow_goes_on_on_other_ranks() {
+    let scene = Scene::new("driven", DRIVEN).in_any_steps();
+    let whole = scene.on(1);
+    for (order, from, to, instant) in [(1, 1, 2, 2), (2, 2, 3, 3), (1, 3, 1, 4)] {
+        let scene = scene.set(&format!("mesh.order={order}"));
+        let whole = if order == 1 { &whole } else { &scene.on(1) };
+        let directory = fresh();
+        let fault = format!("history:0:term:{instant}");
+        let stopped = scene.launch(from, &directory, &fault, &["--overwrite"]);
+        let words = String::from_utf8_lossy(&stopped.stderr).into_owned();
+        assert_eq!(stopped.status.code(), Some(75), "{words}");
+        let resumed = scene.launch(to, &directory, "", &["--restart", "latest"]);
+        let words = String::from_utf8_lossy(&resumed.stderr).into_owned();
+        assert_eq!(resumed.status.code(), Some(0), "{words}");
+        let run = Scene::left_in(&directory, format!("order {order}, {from} to {to} ranks"));
+        for name in ["joint.normal_jump.max", "mid.pressure", "mass.in", "energy.fluid", "time"] {
+            let scale = whole.column(name).iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+            for (a, b) in whole.column(name).iter().zip(run.column(name)) {
+                assert!((a - b).abs() <= 1e-9 * scale, "{}: {name}: {a} and {b}", run.label);
+            }
+        }
+    }
+}
