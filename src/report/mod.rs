@@ -47,6 +47,9 @@ pub struct Report {
     /// The accepted states that are not unique, in words: which was taken, and what else there is.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub bifurcations: Vec<String>,
+    /// What is to be said of the steps of the flow, in words.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub remarks: Vec<String>,
     /// The linear solver.
     pub linear_solver: LinearSolver,
     /// Seconds by phase, of the slowest rank.
@@ -204,6 +207,7 @@ mod tests {
             residual_norms: vec![],
             instabilities: Vec::new(),
             bifurcations: Vec::new(),
+            remarks: Vec::new(),
             linear_solver: LinearSolver { choice: "mumps".into(), why: "small".into() },
             timings: Timings::default(),
             peak_memory_bytes: Some(1),

@@ -202,6 +202,11 @@ impl<'a> Session<'a> {
                 residual_norms: self.residual_norms.clone(),
                 instabilities: model.stepper.instabilities_in_words(),
                 bifurcations: model.stepper.bifurcations_in_words(),
+                remarks: model
+                    .stepper
+                    .coupling
+                    .as_ref()
+                    .map_or_else(Vec::new, |coupling| coupling.flow.remarks.clone()),
                 linear_solver: LinearSolver {
                     choice: model.choice.preset.into(),
                     why: model.choice.why.clone(),

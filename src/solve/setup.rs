@@ -36,7 +36,7 @@ pub struct Model<'a> {
     pub sides: Vec<Sides>,
     /// The linear solver.
     pub choice: LinearChoice,
-    /// Displacement unknowns of all ranks, prescribed ones included.
+    /// Unknowns of all ranks, displacements and pressures, prescribed ones included.
     pub unknowns: u64,
 }
 
@@ -118,7 +118,8 @@ pub fn build<'a>(
     let path = |control: &Control| PathControl::new(control.clone(), control.words(case));
     problem.path = case.control.as_ref().map(path);
     let stepper = Stepper::new(case, problem, snes, (saddle, coupling), x, prescribed);
-    Ok(Model { stepper, mesh, sides, choice, unknowns })
+    let pressures = stepper.coupling.as_ref().map_or(0, |c| c.flow.space.nodes.total);
+    Ok(Model { stepper, mesh, sides, choice, unknowns: unknowns + pressures })
 }
 
 /// Part of the tolerance of forces that holds. Tolerances are relative to the largest nodal force; of
