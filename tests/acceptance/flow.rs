@@ -76,7 +76,7 @@ fn terzaghi_converges() {
     };
     let errors = [4, 8, 16, 32].map(error);
     let order = (errors[0] / errors[3]).log2() / 3.0;
-    println!("errors {errors:.3e?}, order {order:.2} on an average");
+    println!("errors {errors:?}, order {order:.2} on an average");
     assert!(errors.windows(2).all(|pair| pair[1] < 0.4 * pair[0]), "{errors:?}");
     assert!(order > 1.8, "{errors:?}");
 }
