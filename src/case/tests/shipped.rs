@@ -95,9 +95,15 @@ fn the_example_of_the_manual_is_right() {
     let blocks: Vec<&str> = page.split("```yaml\n").skip(1).collect();
     let block = |i: usize| blocks[i].split("```").next().expect("the end of a block");
     Case::read(block(0), Path::new("manual.yaml"), &[]).expect("a case without mistakes");
-    // Each line of the other blocks is a section that the case may have.
-    assert_eq!(blocks.len(), 4);
-    for section in (1..4).flat_map(|i| block(i).lines()) {
+    assert_eq!(blocks.len(), 5);
+    // Another whole case, and blocks of which each line is a section that the case may have.
+    let (whole, parts): (Vec<usize>, Vec<usize>) =
+        (1..5).partition(|i| block(*i).starts_with("mesh:"));
+    assert_eq!(whole.len(), 1);
+    let flow =
+        Case::read(block(whole[0]), Path::new("manual.yaml"), &[]).expect("a case with flow");
+    assert!(flow.flow.is_some());
+    for section in parts.into_iter().flat_map(|i| block(i).lines()) {
         let section = section.replacen(": ", "=", 1);
         let changes = [section, "expect=[]".to_owned()];
         Case::read(block(0), Path::new("manual.yaml"), &changes).expect("a section");
