@@ -36,22 +36,14 @@ pub struct PoreSpace {
     pub prescribed: Vec<bool>,
     /// Names of the displacement nodes at the owned pressure nodes.
     pub displacement_names: Vec<u64>,
-    /// Sides joined by an open interface: each local node that follows others, with what it follows.
-    pub followers: Vec<(u32, Vec<(u32, f64)>)>,
-}
-
-/// Numbers of the nodes of a cell.
-struct Gathered {
-    u: Vec<f64>,
-    p: [f64; MAX_CORNERS],
 }
 
 impl PoreSpace {
-    /// The shape of a cell's part of the arrays.
-    fn gather(&self, all: &Discretization, cell: &PoreCell, u: &[f64], out: &mut Gathered) {
-        out.u.clear();
+    /// Takes the displacements of the nodes of a cell out of those of all local nodes.
+    fn gather(&self, all: &Discretization, cell: &PoreCell, u: &[f64], out: &mut Vec<f64>) {
+        out.clear();
         for node in all.cells.nodes(cell.cell as usize) {
-            out.u.extend_from_slice(&u[*node as usize * self.dim..][..self.dim]);
+            out.extend_from_slice(&u[*node as usize * self.dim..][..self.dim]);
         }
     }
 
@@ -95,13 +87,13 @@ impl PoreSpace {
     /// the transpose of [`PoreSpace::add_forces`]. Local.
     pub fn add_volumes(&self, all: &Discretization, u: &[f64], volume: &mut [f64]) {
         let np = self.corners();
-        let mut gathered = Gathered { u: Vec::new(), p: [0.0; MAX_CORNERS] };
+        let mut of_cell = Vec::new();
         for cell in self.cells.iter().filter(|cell| self.is_free(cell)) {
-            self.gather(all, cell, u, &mut gathered);
-            gathered.p = [0.0; MAX_CORNERS];
+            self.gather(all, cell, u, &mut of_cell);
+            let mut own = [0.0; MAX_CORNERS];
             let like = &self.prototypes[cell.prototype as usize];
-            like.add_volume(&gathered.u, &mut gathered.p[..np]);
-            for (node, v) in cell.nodes[..np].iter().zip(&gathered.p) {
+            like.add_volume(&of_cell, &mut own[..np]);
+            for (node, v) in cell.nodes[..np].iter().zip(&own) {
                 volume[*node as usize] += v;
             }
         }
@@ -164,14 +156,14 @@ impl PoreSpace {
         act: impl Fn(&PoreCell, &PorousCell, &[f64], &mut [f64], &mut [f64]),
     ) {
         let np = self.corners();
-        let mut gathered = Gathered { u: Vec::new(), p: [0.0; MAX_CORNERS] };
+        let mut of_cell = Vec::new();
         for cell in self.cells.iter().filter(|cell| every || self.is_free(cell)) {
             if !u.is_empty() {
-                self.gather(all, cell, u, &mut gathered);
+                self.gather(all, cell, u, &mut of_cell);
             }
             let (mut own, mut size) = ([0.0; MAX_CORNERS], [0.0; MAX_CORNERS]);
             let like = &self.prototypes[cell.prototype as usize];
-            act(cell, like, &gathered.u, &mut own[..np], &mut size[..np]);
+            act(cell, like, &of_cell, &mut own[..np], &mut size[..np]);
             for (node, (own, size)) in cell.nodes[..np].iter().zip(own.iter().zip(&size)) {
                 rows[*node as usize] += own;
                 sizes[*node as usize] += size;
@@ -188,59 +180,34 @@ impl PoreSpace {
         (u, p): (&[f64], &[f64]),
         gravity: &[f64; 3],
     ) -> ([f64; 3], f64, f64) {
-        let mut gathered = Gathered { u: Vec::new(), p: [0.0; MAX_CORNERS] };
-        self.gather(all, cell, u, &mut gathered);
+        let mut of_cell = Vec::new();
+        self.gather(all, cell, u, &mut of_cell);
         let like = &self.prototypes[cell.prototype as usize];
         let p = self.pressures(cell, p, like.medium.reference);
-        like.at_centre(&gathered.u, &p, gravity)
+        like.at_centre(&of_cell, &p, gravity)
     }
 
-    /// Turns owned pressures into those of all local nodes: zero where prescribed, and followers
-    /// follow. Collective.
+    /// Turns owned pressures into those of all local nodes, zero where prescribed. Collective.
     pub fn expand(&self, p: &mut [f64]) {
-        let clear = |p: &mut [f64]| {
-            let prescribed = p.iter_mut().zip(&self.prescribed).filter(|(_, fixed)| **fixed);
-            prescribed.for_each(|(p, _)| *p = 0.0);
-        };
-        clear(p);
+        self.for_identity_rows(|node| p[node] = 0.0);
         self.nodes.update_ghosts(p, 1);
-        self.follow(p);
-    }
-
-    /// Gives every local follower the pressure that it follows. Local.
-    pub fn follow(&self, p: &mut [f64]) {
-        for (node, others) in &self.followers {
-            p[*node as usize] = others.iter().map(|(n, c)| c * p[*n as usize]).sum();
-        }
     }
 
     /// The transpose of [`PoreSpace::expand`]: sums of all local nodes to those of the owned unknowns,
     /// zero at identity rows. Collective.
     pub fn fold(&self, rows: &mut [f64]) {
-        for (node, others) in &self.followers {
-            let carried = std::mem::take(&mut rows[*node as usize]);
-            others.iter().for_each(|(n, c)| rows[*n as usize] += c * carried);
-        }
         self.nodes.add_to_owners(rows, 1);
         self.for_identity_rows(|node| rows[node] = 0.0);
     }
 
     /// Calls `act` with every owned node whose row is the identity. Local.
-    pub fn for_identity_rows(&self, mut act: impl FnMut(usize)) {
-        let owned = self.nodes.owned;
-        (0..owned).filter(|node| self.prescribed[*node]).for_each(&mut act);
-        let followers = self.followers.iter().map(|(node, _)| *node as usize);
-        followers.filter(|node| *node < owned).for_each(act);
+    pub fn for_identity_rows(&self, act: impl FnMut(usize)) {
+        (0..self.nodes.owned).filter(|node| self.prescribed[*node]).for_each(act);
     }
 
-    /// A pressure node over the unknowns.
-    fn unknowns_of(&self, node: u32) -> Vec<(u32, f64)> {
-        let free = |n: &u32| !self.prescribed[*n as usize];
-        match self.followers.binary_search_by_key(&node, |f| f.0) {
-            Ok(at) => self.followers[at].1.iter().filter(|(n, _)| free(n)).copied().collect(),
-            Err(_) if free(&node) => vec![(node, 1.0)],
-            Err(_) => Vec::new(),
-        }
+    /// Number of a local node among all; -1, which PETSc passes over, where the pressure is prescribed.
+    fn number(&self, node: u32) -> i32 {
+        if self.prescribed[node as usize] { -1 } else { self.nodes.numbers[node as usize] }
     }
 
     /// An empty matrix for [`PoreSpace::assemble`]. Collective.
@@ -251,11 +218,9 @@ impl PoreSpace {
         let mut lists: Vec<Vec<i32>> = vec![Vec::new(); self.nodes.len()];
         for cell in &self.cells {
             let held = &cell.nodes[..self.corners()];
-            let unknowns: Vec<u32> =
-                held.iter().flat_map(|n| self.unknowns_of(*n)).map(|(n, _)| n).collect();
-            for row in &unknowns {
-                lists[*row as usize]
-                    .extend(unknowns.iter().map(|n| self.nodes.numbers[*n as usize]));
+            let numbers = || held.iter().map(|n| self.number(*n)).filter(|number| *number >= 0);
+            for row in held.iter().filter(|n| !self.prescribed[**n as usize]) {
+                lists[*row as usize].extend(numbers());
             }
         }
         for (node, list) in lists.iter_mut().enumerate().take(self.nodes.owned) {
@@ -289,50 +254,20 @@ impl PoreSpace {
         let like: Vec<Vec<f64>> = self.prototypes.iter().map(of_cell).collect();
         let mut fill = || {
             for cell in &self.cells {
-                self.add_cell(cell, &like[cell.prototype as usize], factor, matrix)?;
+                let numbers: Vec<i32> =
+                    cell.nodes[..self.corners()].iter().map(|n| self.number(*n)).collect();
+                let values = like[cell.prototype as usize].iter().map(|v| factor * v);
+                matrix.add(&numbers, &numbers, &values.collect::<Vec<f64>>())?;
             }
-            let mut filled = Ok(());
-            self.for_identity_rows(|node| {
+            for node in (0..self.nodes.owned).filter(|node| self.prescribed[*node]) {
                 let number = [self.nodes.numbers[node]];
-                if filled.is_ok() {
-                    filled = matrix.add(&number, &number, &[diagonal]);
-                }
-            });
-            filled
+                matrix.add(&number, &number, &[diagonal])?;
+            }
+            Ok(())
         };
         let filled = fill();
         comm.agree(filled)?;
         comm.agree(matrix.assemble())
-    }
-
-    fn add_cell(
-        &self,
-        cell: &PoreCell,
-        values: &[f64],
-        factor: f64,
-        matrix: &mut Matrix,
-    ) -> Result<()> {
-        let np = self.corners();
-        let expansions: Vec<Vec<(u32, f64)>> =
-            cell.nodes[..np].iter().map(|n| self.unknowns_of(*n)).collect();
-        if expansions.iter().all(|e| matches!(e[..], [(_, 1.0)])) {
-            let numbers: Vec<i32> =
-                cell.nodes[..np].iter().map(|n| self.nodes.numbers[*n as usize]).collect();
-            let values: Vec<f64> = values.iter().map(|v| factor * v).collect();
-            return matrix.add(&numbers, &numbers, &values);
-        }
-        for (a, rows) in expansions.iter().enumerate() {
-            for (b, columns) in expansions.iter().enumerate() {
-                for (row, left) in rows {
-                    for (column, right) in columns {
-                        let number = |n: &u32| [self.nodes.numbers[*n as usize]];
-                        let value = factor * left * right * values[a * np + b];
-                        matrix.add(&number(row), &number(column), &[value])?;
-                    }
-                }
-            }
-        }
-        Ok(())
     }
 
     /// Adds the product of the matrices that [`PoreSpace::assemble`] would add, `like` by prototype,

@@ -86,7 +86,7 @@ impl Loads {
         loads
     }
 
-    /// The mass fluxes of the fluid through the surfaces, as component 0 (kg/s at nodes). `mesh` is the
+    /// The mass fluxes of the fluid into the porous cells at the surfaces, as component 0 (kg/s at nodes). `mesh` is the
     /// one of the pressure. Local.
     pub fn inflow(case: &Case, mesh: &LocalMesh) -> Self {
         let mut loads = Self { dim: 1, ..Self::default() };
@@ -95,7 +95,13 @@ impl Loads {
             if flux.is_some() {
                 let name = format!("boundary.{number} ({}): flux", entry.on.name());
                 let source = loads.source(name, [flux, None, None], 1.0);
-                loads.facets(mesh, source, |place| on_surface(mesh, place, entry.on));
+                let is_porous = |place: CellPlace| {
+                    let material = mesh.column.cell_size(place).1;
+                    case.materials[material].porous.is_some()
+                };
+                loads.facets(mesh, source, |place| {
+                    on_surface(mesh, place, entry.on).filter(|_| is_porous(place))
+                });
             }
         }
         loads

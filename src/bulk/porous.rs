@@ -4,6 +4,7 @@
 //! carries nothing. Masses are divided by the reference density of the fluid: volumes in m3 (2D: per
 //! metre of thickness).
 
+use super::Elastic;
 use crate::case::{Material, Porous};
 
 /// The constants of one material.
@@ -29,28 +30,15 @@ pub struct PorousMedium {
     pub drained: f64,
 }
 
-/// The fluid in a volume that was 1 when undeformed, beyond what it held then.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Content {
-    /// Change of rho phi (1 + eps) over the reference density.
-    pub change: f64,
-    /// Its derivative by the volumetric strain eps.
-    pub by_strain: f64,
-    /// Its derivative by the pressure (1/Pa).
-    pub by_pressure: f64,
-}
-
 impl PorousMedium {
     /// The constants of a material with porous data, in 2 or 3 dimensions.
     pub fn new(material: &Material, porous: &Porous, dim: usize) -> Self {
-        let (young, nu) = (material.young_modulus, material.poisson_ratio);
-        let lambda = young * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
-        let mu = young / (2.0 * (1.0 + nu));
+        let Elastic { lambda, mu } = Elastic::new(material.young_modulus, material.poisson_ratio);
         Self {
             biot: porous.biot,
             porosity: porous.porosity,
             fluid: porous.fluid_compressibility,
-            grains: (1.0 - porous.biot) * 3.0 * (1.0 - 2.0 * nu) / young,
+            grains: (1.0 - porous.biot) / (lambda + 2.0 / 3.0 * mu),
             mobility: porous.permeability / porous.viscosity,
             density: porous.fluid_density,
             reference: porous.reference_pressure,
@@ -74,20 +62,13 @@ impl PorousMedium {
         (pressure * self.fluid).exp()
     }
 
-    /// The content at volumetric strain and pressure, without cancellation for small changes.
-    pub fn content(&self, strain: f64, pressure: f64) -> Content {
+    /// The fluid in a volume that was 1 when undeformed, beyond what it held then, over the reference
+    /// density: the change of rho phi (1 + eps) at volumetric strain and pressure, without cancellation.
+    pub fn content(&self, strain: f64, pressure: f64) -> f64 {
         let denser = (pressure * self.fluid).exp_m1();
         let wider = self.widening(strain, pressure);
         let grown = denser + strain + denser * strain;
-        let ratio = 1.0 + denser;
-        let (porosity, stretch) = (self.porosity + wider, 1.0 + strain);
-        Content {
-            change: ratio * stretch * wider + self.porosity * grown,
-            by_strain: ratio * ((self.biot - porosity) * stretch + porosity),
-            by_pressure: ratio
-                * stretch
-                * (porosity * self.fluid + (self.biot - porosity) * self.grains),
-        }
+        (1.0 + denser) * (1.0 + strain) * wider + self.porosity * grown
     }
 
     /// phi_0/K_w + (b - phi_0)/K_s (1/Pa): the derivative of the content by the pressure at rest.

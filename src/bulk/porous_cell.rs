@@ -202,14 +202,14 @@ impl PorousCell {
             let values = &q.values[..np];
             if lumped {
                 for a in 0..np {
-                    let change = self.medium.content(strain, p[a]).change;
+                    let change = self.medium.content(strain, p[a]);
                     rows[a] += q.volume * values[a] * change;
                     sizes[a] += q.volume * values[a] * change.abs();
                 }
                 continue;
             }
             let at: f64 = values.iter().zip(p).map(|(n, p)| n * p).sum();
-            let change = q.volume * self.medium.content(strain, at).change;
+            let change = q.volume * self.medium.content(strain, at);
             for a in 0..np {
                 rows[a] += values[a] * change;
                 sizes[a] += values[a] * change.abs();

@@ -108,7 +108,7 @@ impl Checker<'_> {
     fn leave_out(&mut self, file: &CaseFile, given: &Given<'_>) {
         if let Some(path) = &given.acts {
             let reason = if given.porous.is_empty() {
-                "acts on pores, but no material is porous"
+                "acts on pores, but no material is porous (materials.NAME.porous)"
             } else {
                 "needs physics: hydro_mechanics or auto"
             };

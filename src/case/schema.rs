@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 use serde_json::Value as Json;
 
 use super::file::CaseFile;
-use super::problems::{Problems, nearest, suggestion};
+use super::problems::{Problems, nearest, shortened, suggestion};
 use super::tree::{Data, Entry, Node};
 use crate::error::number_text;
 
@@ -182,6 +182,7 @@ impl Walk<'_, '_> {
                 self.node(&schema["additionalProperties"], &mut entry.node, &here);
             } else {
                 let hint = suggestion(&entry.key, &known);
+                let here = shortened(&here);
                 self.problems.at(entry.origin, format!("{here} is not a known key{hint}"));
                 misspelt.extend(nearest(&entry.key, &known).cloned());
                 continue;
@@ -247,7 +248,7 @@ impl Walk<'_, '_> {
             }
             ([], Some(entry)) => {
                 let hint = suggestion(&entry.key, &known);
-                let (origin, here) = (entry.origin, join(path, &entry.key));
+                let (origin, here) = (entry.origin, shortened(&join(path, &entry.key)));
                 self.breaks(
                     &Node { data: Data::Empty, origin },
                     &here,

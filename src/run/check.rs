@@ -11,7 +11,7 @@ use crate::interface::Sides;
 use crate::mesh::{Column, LocalMesh};
 use crate::solve::memory::memory;
 use crate::solve::{LinearChoice, strength_factors};
-use crate::space::{AtNode, Prescribed};
+use crate::space::{AtNode, Prescribed, PrescribedPressure};
 
 /// Largest column that the check walks through node by node.
 const MOST_NODES: u64 = 2_000_000;
@@ -45,6 +45,13 @@ pub fn describe(case: &Case) -> Result<String> {
         checked.map_err(|AtNode(_, error)| error)?;
         let mesh = LocalMesh::new(&column, (0..column.cells()).collect(), column.cells());
         Loads::new(case, &mesh).check(&case.time)?;
+        if case.flow.is_some() {
+            let corners = LocalMesh::new(&column.of_first_order(), mesh.cells.clone(), 0);
+            let prescribed = PrescribedPressure::new(case, &corners.column);
+            let checked = prescribed.check(&corners.nodes, &case.time);
+            checked.map_err(|AtNode(_, error)| error)?;
+            Loads::inflow(case, &corners).check(&case.time)?;
+        }
         let sides = Sides::choose(case, &column);
         let secondary = sides.iter().enumerate().flat_map(|(interface, side)| {
             let own = nodes.iter().filter(|node| side.is_secondary(&column, **node));

@@ -148,12 +148,15 @@ fn check(state: &State, progress: &Progress<'_>, model: &Model<'_>, file: &Path)
         return Err(refused(what, value, &format!("at ({x}, {y}, {z}) m {when}"), file));
     }
     let step = &state.step;
-    let mut numbers =
-        [("energy", &step.energy[..]), ("largest force or displacement", &step.scales)]
-            .into_iter()
-            .chain([("residual_norms", progress.residual_norms)])
-            .chain([("residual_norms", std::slice::from_ref(&step.residual_norm))])
-            .flat_map(|(what, values)| values.iter().map(move |value| (what, *value)));
+    let mut numbers = [
+        ("energy", &step.energy[..]),
+        ("largest force or displacement", &step.scales),
+        ("balance of the fluid", &step.fluid),
+    ]
+    .into_iter()
+    .chain([("residual_norms", progress.residual_norms)])
+    .chain([("residual_norms", std::slice::from_ref(&step.residual_norm))])
+    .flat_map(|(what, values)| values.iter().map(move |value| (what, *value)));
     match numbers.find(|(_, value)| !value.is_finite()) {
         Some((what, value)) => Err(refused(what, value, &when, file)),
         None => Ok(()),
@@ -360,12 +363,17 @@ fn difference(state: &RunState, case: &Case) -> Option<String> {
 /// checked, and the instants.
 fn physics(mut case: Value) -> Value {
     if let Value::Object(sections) = &mut case {
+        // Of how it is solved this alone changes what is solved.
+        let lumped = sections.get("solver").and_then(|solver| solver.get("lumped_storage"));
+        let lumped = lumped.cloned().unwrap_or(Value::Bool(false));
         for key in ["title", "solver", "output", "limits", "expect"] {
             sections.remove(key);
         }
         if let Some(Value::Object(time)) = sections.get_mut("time") {
             time.remove("instants");
+            time.remove("tolerance");
         }
+        sections.insert("lumped_storage".into(), lumped);
     }
     case
 }

@@ -170,7 +170,8 @@ impl PoreFields {
         };
         for pores in &flow.space.cells {
             let state = (&problem.displacement[..], &flow.pressure[..]);
-            let (flux, pressure, porosity) = flow.space.at_centre(all, pores, state, &flow.gravity);
+            let (flux, pressure, porosity) =
+                flow.space.at_centre(all, pores, state, &flow.step.gravity);
             let cell = pores.cell as usize;
             let biot = flow.space.prototypes[pores.prototype as usize].medium.biot;
             for normal in &mut fields.total_stress[6 * cell..][..3] {

@@ -247,9 +247,8 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         flow.add_forces(&all, &mut problem.pore_force);
         problem.residual(u, fu)?;
         let _phase = problem.timers.enter(Phase::Assembly);
-        let known = condensed::known_jumps(&all, &problem.interfaces).0;
-        let state = (&problem.displacement[..], &known[..]);
-        *missing = flow.residual(problem.comm, &all, state, blocks.diagonal, fp);
+        let state = (&problem.displacement[..], &problem.known_jumps[..]);
+        *missing = flow.residual(problem.comm, &all, state, fp);
         Ok(())
     }
 
@@ -277,21 +276,10 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
     ) -> Result<()> {
         let (problem, blocks) = (&mut *self.problem, &self.coupling.blocks);
         problem.interfaces.lean = 1.0;
-        let (u, p) = correction.split_at_mut(blocks.split);
+        let u = &mut correction[..blocks.split];
         condensed::follow(&problem.all, &problem.interfaces, u);
         if !blocks.is_coupled {
             problem.keep(u);
-        }
-        if !blocks.pores.followers.is_empty() {
-            // Identity rows made the followers meet what they follow; they go with it from there.
-            let mut all = vec![0.0; blocks.pores.nodes.len()];
-            all[..p.len()].copy_from_slice(p);
-            blocks.pores.nodes.update_ghosts(&mut all, 1);
-            for (node, others) in &blocks.pores.followers {
-                if let Some(p) = p.get_mut(*node as usize) {
-                    *p += others.iter().map(|(n, c)| c * all[*n as usize]).sum::<f64>();
-                }
-            }
         }
         let part = problem.convergence.part_of_step;
         correction.iter_mut().for_each(|c| *c *= part);

@@ -34,17 +34,11 @@ pub struct Flow {
     inflow: Loads,
     /// Density of the fluid at the reference pressure (kg/m3).
     density: f64,
-    /// Acceleration of gravity by component (m/s2).
-    pub gravity: [f64; 3],
-    theta: f64,
-    lumped: bool,
     /// Unknowns are pressures over this (Pa/m): their rows then have the unit and the size of those of
     /// the displacements.
     pub scale: f64,
     /// The running step.
     pub step: FlowStep,
-    start: f64,
-    target: f64,
     /// Pressure of all local nodes at the state that was evaluated last (Pa).
     pub pressure: Vec<f64>,
     /// At the last accepted state: pressure (Pa), stored fluid (m3) and flow (m3/s) of this rank's
@@ -79,15 +73,14 @@ impl Flow {
         space: Rc<PoreSpace>,
         prescribed: PrescribedPressure,
         inflow: Loads,
-        (density, gravity): (f64, [f64; 3]),
-        (theta, lumped): (f64, bool),
+        density: f64,
+        step: FlowStep,
         scale: f64,
         (pace, bounds): (Option<Pace>, [f64; 2]),
         interfaces: usize,
         initial: Vec<f64>,
     ) -> Self {
         let none = || vec![0.0; space.nodes.len()];
-        let step = FlowStep { length: 0.0, theta, gravity, lumped };
         Self {
             before: [initial.clone(), none(), none()],
             source: [none(), none()],
@@ -97,13 +90,8 @@ impl Flow {
             prescribed,
             inflow,
             density,
-            gravity,
-            theta,
-            lumped,
             scale,
             step,
-            start: 0.0,
-            target: 0.0,
             scales: [0.0; 2],
             initial: 0.0,
             pace,
@@ -132,9 +120,9 @@ impl Flow {
         let [before, stored, flow] = &mut self.before;
         before.copy_from_slice(&self.pressure);
         stored.fill(0.0);
-        self.space.add_stored(all, (u, &self.pressure), self.lumped, stored);
+        self.space.add_stored(all, (u, &self.pressure), self.step.lumped, stored);
         flow.fill(0.0);
-        self.space.add_flow(all, &self.pressure, &self.gravity, flow);
+        self.space.add_flow(all, &self.pressure, &self.step.gravity, flow);
     }
 
     /// Starts a step from `start` to `target`. Collective.
@@ -142,16 +130,14 @@ impl Flow {
     /// # Errors
     /// `Input` when a formula gives no finite number.
     pub fn start_step(&mut self, comm: &Comm, start: f64, target: f64) -> Result<()> {
-        (self.start, self.target) = (start, target);
         self.step.length = target - start;
         self.remark();
         let (nodes, density) = (&self.space.nodes, self.density);
         for (time, source) in [start, target].into_iter().zip(&mut self.source) {
             source.fill(0.0);
             let added = self.inflow.add(time, |name, _, mass| {
-                if let Some(node) = nodes.local(name) {
-                    source[node as usize] += mass / density;
-                }
+                let node = nodes.local(name).expect("fluxes act on the rank's own porous cells");
+                source[node as usize] += mass / density;
             });
             comm.agree(added)?;
         }
@@ -218,17 +204,22 @@ impl Flow {
         self.space.add_forces(all, &self.pressure, true, force);
     }
 
+    /// The parts of the step that count for its start and for its end (s).
+    fn weights(&self) -> [f64; 2] {
+        let FlowStep { length, theta, .. } = self.step;
+        [(1.0 - theta) * length, theta * length]
+    }
+
     /// The balance of the step at all local nodes, not summed, and the magnitudes of its parts (m3).
     fn rows(&self, all: &Discretization, u: &[f64], every: bool) -> [Vec<f64>; 2] {
         let [before, stored, flow] = &self.before;
         let (mut rows, mut sizes) = (vec![0.0; before.len()], vec![0.0; before.len()]);
         let state = (u, &self.pressure[..], &before[..]);
         self.space.add_balance(all, state, &self.step, every, (&mut rows, &mut sizes));
-        let earlier = (1.0 - self.theta) * self.step.length;
-        let ends = [earlier, self.theta * self.step.length];
+        let ends = self.weights();
         for (i, row) in rows.iter_mut().enumerate() {
             let source: f64 = ends.iter().zip(&self.source).map(|(part, s)| part * s[i]).sum();
-            *row += earlier * flow[i] - stored[i] - source + self.left[i];
+            *row += ends[0] * flow[i] - stored[i] - source + self.left[i];
             sizes[i] += source.abs();
         }
         [rows, sizes]
@@ -242,7 +233,6 @@ impl Flow {
         comm: &Comm,
         all: &Discretization,
         (u, known): (&[f64], &[f64]),
-        diagonal: f64,
         f: &mut [f64],
     ) -> f64 {
         let [mut rows, mut sizes] = self.rows(all, u, false);
@@ -263,10 +253,6 @@ impl Flow {
         self.space.fold(&mut followed);
         for ((f, row), followed) in f.iter_mut().zip(&rows).zip(&followed) {
             *f = self.scale * (followed - row);
-        }
-        for (node, others) in self.space.followers.iter().filter(|f| (f.0 as usize) < owned) {
-            let led: f64 = others.iter().map(|(n, c)| c * self.pressure[*n as usize]).sum();
-            f[*node as usize] = diagonal * (self.pressure[*node as usize] - led) / self.scale;
         }
         if worst[0] == 0.0 { 0.0 } else { worst[0] / scale }
     }
@@ -291,8 +277,7 @@ impl Flow {
         self.space.nodes.add_to_owners(&mut rows, 1);
         self.left = left;
         let mut sums = vec![0.0; 3 + 2 * self.into_sides.len()];
-        let ends = [(1.0 - self.theta) * self.step.length, self.theta * self.step.length];
-        for (part, source) in ends.iter().zip(&self.source) {
+        for (part, source) in self.weights().iter().zip(&self.source) {
             for s in source {
                 sums[if *s > 0.0 { 0 } else { 1 }] += self.density * part * s.abs();
             }

@@ -6,7 +6,7 @@ use super::coupled::{Blocks, Coupling};
 use super::flow::Flow;
 use super::pace::Pace;
 use crate::assembly::{Discretization, PoreCell, PoreSpace, TangentOperator};
-use crate::bulk::{Loads, MAX_CORNERS, PorousCell, PorousMedium};
+use crate::bulk::{FlowStep, Loads, MAX_CORNERS, PorousCell, PorousMedium};
 use crate::case::{Case, FlowSpec};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
@@ -108,8 +108,8 @@ pub fn couple(
         space,
         prescribed,
         inflow,
-        (density.unwrap_or(1.0), gravity),
-        (flow.theta, flow.lumped),
+        density.unwrap_or(1.0),
+        FlowStep { length: 0.0, theta: flow.theta, gravity, lumped: flow.lumped },
         scale[0],
         (pace, [bounds[0], bounds[1]]),
         case.interfaces.len(),
@@ -167,7 +167,6 @@ fn pore_space(
         prototypes,
         prescribed: nodes.names.iter().map(|n| prescribed.entry_of(*n).is_some()).collect(),
         displacement_names: nodes.names[..nodes.owned].iter().map(displacement_name).collect(),
-        followers: Vec::new(),
         nodes,
     })
 }

@@ -51,11 +51,12 @@ impl Pace {
         comm.max(&mut sizes);
         let largest = self.largest.max(sizes[0]);
         self.excess = if sizes[1] == 0.0 { 0.0 } else { sizes[1] / (self.tolerance * largest) };
-        if self.excess <= 1.0 {
+        // Where the pressure jumps, as at a rupture, no step is short enough.
+        if self.excess <= 1.0 || length <= self.first {
             self.largest = largest;
             return true;
         }
-        self.next = length * self.change();
+        self.next = (length * self.change()).max(self.first);
         false
     }
 
@@ -70,7 +71,7 @@ impl Pace {
             return;
         }
         if self.rate.is_some() {
-            self.next = length * self.change();
+            self.next = (length * self.change()).max(self.first);
         }
         let pairs = before.iter().zip(after);
         self.rate = Some(pairs.map(|(before, after)| (after - before) / length).collect());
@@ -79,7 +80,9 @@ impl Pace {
     /// The end of the next step, on the way from `time` to `instant` in equal steps.
     pub fn target(&self, time: f64, instant: f64) -> f64 {
         let steps = ((instant - time) / self.next * (1.0 - 1e-6)).ceil();
-        if steps <= 1.0 { instant } else { time + (instant - time) / steps }
+        let target = time + (instant - time) / steps;
+        // A step that is nothing beside the time would lead nowhere.
+        if steps <= 1.0 || target <= time { instant } else { target }
     }
 }
 
@@ -93,5 +96,6 @@ mod tests {
         assert_eq!(pace.target(0.0, 0.3), 0.3);
         assert_eq!(pace.target(0.0, 0.1), 0.1);
         assert_eq!(pace.target(1.0, 2.0), 1.25);
+        assert_eq!(Pace::new(1e-3, 1e-20).target(1.0, 2.0), 2.0);
     }
 }

@@ -62,6 +62,9 @@ pub struct Problem<'a> {
     /// The same with the tractions of the interfaces (N): zero where nothing is prescribed, the
     /// reaction of the support elsewhere.
     pub balance: Vec<f64>,
+    /// Displacements of all local nodes that the linear solve does not find: of stuck components whose
+    /// jump is not yet the one that their law asks for (m).
+    pub(super) known_jumps: Vec<f64>,
     /// Path following, where the case asks for it.
     pub path: Option<PathControl>,
     /// Room for another state.
@@ -103,6 +106,7 @@ impl<'a> Problem<'a> {
             displacement: vec![0.0; size],
             load: vec![0.0; size],
             pore_force: Vec::new(),
+            known_jumps: Vec::new(),
             bulk_force: vec![0.0; size],
             balance: vec![0.0; size],
             path: None,
@@ -264,6 +268,7 @@ impl<'a> Problem<'a> {
             hierarchy.finest().choose_unknowns(state);
         }
         let (known, known_force) = condensed::known_jumps(&self.all, &self.interfaces);
+        self.known_jumps = known;
         let (all, response) = (&self.all, &self.interfaces.response);
         self.balance.fill(0.0);
         let traction = |index: usize, c: usize| {
@@ -292,7 +297,7 @@ impl<'a> Problem<'a> {
         for (rows, response) in all.secondary.iter().zip(&self.interfaces.response) {
             for c in (0..dim).filter(|c| rows.rows[*c].is_some() && response.state.stuck[*c]) {
                 let own = rows.node as usize * dim + c;
-                f[own] = self.diagonal * known[own];
+                f[own] = self.diagonal * self.known_jumps[own];
             }
         }
     }

@@ -76,6 +76,8 @@ impl StepState {
 
 /// A state with its fields, this rank's own rows.
 pub struct State {
+    /// Displacement components per node.
+    dim: usize,
     /// What is not a field.
     pub step: StepState,
     /// By node: displacement (m), then the force of supports and loads (N), by component; with flow the
@@ -89,13 +91,22 @@ impl State {
     /// The first field value of this rank that is not finite: what it is, the name of its node, and
     /// the value. Local.
     pub fn first_not_finite(&self) -> Option<(&'static str, u64, f64)> {
-        let find = |rows: &Rows, what: [&'static str; 2]| {
+        // What the columns of a row hold, each as often as it has components.
+        let find = |rows: &Rows, what: &[(&'static str, usize)]| {
             let at = rows.values.iter().position(|value| !value.is_finite())?;
-            let half = (at % rows.width) / (rows.width / 2);
-            Some((what[half], rows.names[at / rows.width], rows.values[at]))
+            let columns = what.iter().flat_map(|(name, count)| std::iter::repeat_n(*name, *count));
+            let name = columns.into_iter().nth(at % rows.width)?;
+            Some((name, rows.names[at / rows.width], rows.values[at]))
         };
-        find(&self.nodal, ["displacement", "force of supports and loads"])
-            .or_else(|| find(&self.interface, ["largest jump of the history", "dissipated energy"]))
+        let nodal = [
+            ("displacement", self.dim),
+            ("force of supports and loads", self.dim),
+            ("pressure", 1),
+            ("rate of the pressure", 1),
+        ];
+        find(&self.nodal, &nodal).or_else(|| {
+            find(&self.interface, &[("largest jump of the history", 1), ("dissipated energy", 1)])
+        })
     }
 }
 
@@ -178,7 +189,7 @@ impl Stepper<'_> {
             instabilities: self.instabilities_in_words(),
             bifurcations: self.bifurcations_in_words(),
         };
-        Ok(State { step, nodal, interface })
+        Ok(State { dim, step, nodal, interface })
     }
 
     /// Goes on from a state: `nodal` and `interface` are its fields in slabs. Collective.

@@ -177,7 +177,7 @@ fn a_mistake_in_the_file_is_told_with_its_place_and_reason() {
         (
             "displacement: {x: 0, y: 0, z: 0}",
             "flux: 1",
-            "11:24: boundary.0.flux acts on pores, but no material is porous",
+            "11:24: boundary.0.flux acts on pores, but no material is porous (materials.NAME.porous)",
         ),
     ] {
         let expected = with_laws(expected);
