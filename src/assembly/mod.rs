@@ -5,6 +5,7 @@
 //! graphs do not depend on the state.
 
 mod cells;
+mod films;
 mod operator;
 mod pattern;
 mod pores;
@@ -14,9 +15,10 @@ mod sweep;
 mod tangent;
 
 pub use cells::{CellSet, Cells};
+pub use films::{FilmFacet, FilmNode, FilmTangent, Films};
 pub use operator::TangentOperator;
 pub use pattern::Pattern;
-pub use pores::{PoreCell, PoreSpace};
+pub use pores::{PoreCell, PoreSpace, Tie};
 pub use saddle::{LawDerivative, SaddleTangent};
 pub use tangent::{NodeState, Tangent};
 

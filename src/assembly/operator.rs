@@ -196,6 +196,20 @@ impl TangentOperator {
         }
     }
 
+    /// Volume by which the normal jump at an entry of `Discretization::secondary` yields to a pressure on
+    /// both lips there (m3/Pa), as far as its own cells and its law are concerned; 0 where it is known. Local.
+    pub fn opening_compliance(&self, index: u32) -> f64 {
+        let (rows, state) = (&self.all.secondary[index as usize], self.state.borrow());
+        let (normal, state) = (self.all.dim - 1, &state[index as usize]);
+        let Some(row) = rows.rows[normal].as_ref().filter(|_| !state.stuck[normal]) else {
+            return 0.0;
+        };
+        let cells =
+            self.stiffness[rows.node as usize * self.all.dim + normal] / (row.own * row.own);
+        let law = row.weight * state.tangent[normal][normal];
+        row.weight * row.weight / (cells + law).max(0.1 * cells)
+    }
+
     /// How strongly the law couples the unknowns of a pair of nodes, at most: the entry between them
     /// over the root of the product of their diagonals, for equal stiffness on both sides. The
     /// largest eigenvalue over the diagonal grows by no more than that. Local.

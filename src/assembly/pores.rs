@@ -4,6 +4,7 @@
 //! those of the column with cells of first order. Owned nodes come first, as everywhere.
 
 use super::Discretization;
+use super::films::Films;
 use super::pattern::{count_blocks, merge_to_owners};
 use crate::bulk::{FlowStep, MAX_CORNERS, PorousCell};
 use crate::comm::Comm;
@@ -22,7 +23,20 @@ pub struct PoreCell {
     pub nodes: [u32; MAX_CORNERS],
 }
 
+/// A pressure node of a secondary lip, whose pressure follows from those of others.
+#[derive(Debug, Clone)]
+pub struct Tie {
+    /// The local node.
+    pub node: u32,
+    /// Local nodes, of the primary lip and prescribed ones beside it, and their parts.
+    pub follows: Vec<(u32, f64)>,
+}
+
 /// The discretisation of the pore pressure.
+///
+/// Where fluid flows along an interface its lips have one pressure: that of the secondary one follows
+/// from the primary one by the dual mortar rows of the pressure, and the fluxes into either side,
+/// which are the multipliers of that tie, cancel in the sum of the rows.
 pub struct PoreSpace {
     /// Displacement components per node.
     pub dim: usize,
@@ -34,6 +48,12 @@ pub struct PoreSpace {
     pub prototypes: Vec<PorousCell>,
     /// Whether the pressure of each local node is prescribed.
     pub prescribed: Vec<bool>,
+    /// Nodes whose pressure follows from that of others.
+    pub ties: Vec<Tie>,
+    /// Index into `ties` of each local node.
+    pub tie_of: Vec<Option<u32>>,
+    /// Fluid between the lips.
+    pub films: Films,
     /// Names of the displacement nodes at the owned pressure nodes.
     pub displacement_names: Vec<u64>,
 }
@@ -60,9 +80,10 @@ impl PoreSpace {
         of
     }
 
-    /// Adds the forces of the pressures `p` of all local nodes (Pa) on the local displacement nodes (N);
-    /// above the references where `absolute`. Local.
+    /// Adds the forces of the pressures `p` of all local nodes (Pa) on the local displacement nodes (N),
+    /// in the pores and on the lips; above the references where `absolute`. Local.
     pub fn add_forces(&self, all: &Discretization, p: &[f64], absolute: bool, force: &mut [f64]) {
+        self.films.add_forces(all, p, absolute, force);
         let np = self.corners();
         let mut of_cell = Vec::new();
         for cell in &self.cells {
@@ -83,9 +104,10 @@ impl PoreSpace {
         }
     }
 
-    /// Adds b times the volume that displacements make at the shares of the local pressure nodes (m3):
-    /// the transpose of [`PoreSpace::add_forces`]. Local.
+    /// Adds b times the volume that displacements make in cells, and the volume that opens between lips, at
+    /// the shares of the local pressure nodes (m3): the transpose of [`PoreSpace::add_forces`]. Local.
     pub fn add_volumes(&self, all: &Discretization, u: &[f64], volume: &mut [f64]) {
+        self.films.add_volumes(all, u, volume);
         let np = self.corners();
         let mut of_cell = Vec::new();
         for cell in self.cells.iter().filter(|cell| self.is_free(cell)) {
@@ -191,18 +213,56 @@ impl PoreSpace {
     pub fn expand(&self, p: &mut [f64]) {
         self.for_identity_rows(|node| p[node] = 0.0);
         self.nodes.update_ghosts(p, 1);
+        self.follow(p);
+    }
+
+    /// Gives tied nodes the pressure that follows from those of the others. Local: `p` is that of all
+    /// local nodes.
+    pub fn follow(&self, p: &mut [f64]) {
+        for tie in &self.ties {
+            p[tie.node as usize] = tie.follows.iter().map(|(n, a)| a * p[*n as usize]).sum();
+        }
     }
 
     /// The transpose of [`PoreSpace::expand`]: sums of all local nodes to those of the owned unknowns,
     /// zero at identity rows. Collective.
     pub fn fold(&self, rows: &mut [f64]) {
-        self.nodes.add_to_owners(rows, 1);
+        self.sum(rows);
         self.for_identity_rows(|node| rows[node] = 0.0);
+    }
+
+    /// Sums of all local nodes to those of the owned ones, those of tied nodes to what they follow.
+    /// Collective.
+    pub fn sum(&self, rows: &mut [f64]) {
+        for tie in &self.ties {
+            let carried = std::mem::take(&mut rows[tie.node as usize]);
+            for (node, a) in &tie.follows {
+                rows[*node as usize] += a * carried;
+            }
+        }
+        self.nodes.add_to_owners(rows, 1);
+    }
+
+    /// Whether the pressure of a local node is no unknown.
+    fn is_known(&self, node: usize) -> bool {
+        self.prescribed[node] || self.tie_of[node].is_some()
     }
 
     /// Calls `act` with every owned node whose row is the identity. Local.
     pub fn for_identity_rows(&self, act: impl FnMut(usize)) {
-        (0..self.nodes.owned).filter(|node| self.prescribed[*node]).for_each(act);
+        (0..self.nodes.owned).filter(|node| self.is_known(*node)).for_each(act);
+    }
+
+    /// The unknowns that make up the pressure of a local node: itself, what it follows, or none.
+    fn unknowns(&self, node: u32) -> Vec<(u32, f64)> {
+        match self.tie_of[node as usize] {
+            _ if self.prescribed[node as usize] => Vec::new(),
+            None => vec![(node, 1.0)],
+            Some(tie) => {
+                let follows = self.ties[tie as usize].follows.iter().copied();
+                follows.filter(|(n, _)| !self.prescribed[*n as usize]).collect()
+            }
+        }
     }
 
     /// Number of a local node among all; -1, which PETSc passes over, where the pressure is prescribed.
@@ -217,10 +277,10 @@ impl PoreSpace {
     pub fn matrix(&self, comm: &Comm, petsc: &crate::petsc::Petsc) -> Result<Matrix> {
         let mut lists: Vec<Vec<i32>> = vec![Vec::new(); self.nodes.len()];
         for cell in &self.cells {
-            let held = &cell.nodes[..self.corners()];
-            let numbers = || held.iter().map(|n| self.number(*n)).filter(|number| *number >= 0);
-            for row in held.iter().filter(|n| !self.prescribed[**n as usize]) {
-                lists[*row as usize].extend(numbers());
+            let held = cell.nodes[..self.corners()].iter().flat_map(|n| self.unknowns(*n));
+            let held: Vec<u32> = held.map(|(node, _)| node).collect();
+            for row in &held {
+                lists[*row as usize].extend(held.iter().map(|n| self.nodes.numbers[*n as usize]));
             }
         }
         for (node, list) in lists.iter_mut().enumerate().take(self.nodes.owned) {
@@ -238,8 +298,9 @@ impl PoreSpace {
         Matrix::new(petsc, owned, 1, &inside, &outside)
     }
 
-    /// Sets `matrix` to the sum of the symmetric matrices that `of_cell` gives for each prototype (m3/Pa),
-    /// times `factor`, with `diagonal` at identity rows. Collective.
+    /// Sets `matrix` to the sum of the symmetric matrices that `of_cell` gives for each prototype and of
+    /// further `blocks` over local nodes of one cell (m3/Pa), times `factor`, with `diagonal` at identity
+    /// rows. Collective.
     ///
     /// # Errors
     /// `System` when PETSc refuses a value; on all ranks.
@@ -247,19 +308,22 @@ impl PoreSpace {
         &self,
         comm: &Comm,
         of_cell: impl Fn(&PorousCell) -> Vec<f64>,
+        blocks: &[(Vec<u32>, Vec<f64>)],
         (factor, diagonal): (f64, f64),
         matrix: &mut Matrix,
     ) -> Result<()> {
         matrix.zero()?;
-        let like: Vec<Vec<f64>> = self.prototypes.iter().map(of_cell).collect();
+        let like = self.prototypes.iter().map(of_cell);
+        let like: Vec<Vec<f64>> = like.map(|m| m.iter().map(|v| factor * v).collect()).collect();
         let mut fill = || {
             for cell in &self.cells {
-                let numbers: Vec<i32> =
-                    cell.nodes[..self.corners()].iter().map(|n| self.number(*n)).collect();
-                let values = like[cell.prototype as usize].iter().map(|v| factor * v);
-                matrix.add(&numbers, &numbers, &values.collect::<Vec<f64>>())?;
+                self.add(&cell.nodes[..self.corners()], &like[cell.prototype as usize], matrix)?;
             }
-            for node in (0..self.nodes.owned).filter(|node| self.prescribed[*node]) {
+            for (nodes, values) in blocks {
+                let values: Vec<f64> = values.iter().map(|v| factor * v).collect();
+                self.add(nodes, &values, matrix)?;
+            }
+            for node in (0..self.nodes.owned).filter(|node| self.is_known(*node)) {
                 let number = [self.nodes.numbers[node]];
                 matrix.add(&number, &number, &[diagonal])?;
             }
@@ -268,6 +332,27 @@ impl PoreSpace {
         let filled = fill();
         comm.agree(filled)?;
         comm.agree(matrix.assemble())
+    }
+
+    /// Adds the matrix of some local nodes to that of their unknowns. Local.
+    fn add(&self, nodes: &[u32], values: &[f64], matrix: &mut Matrix) -> Result<()> {
+        if nodes.iter().all(|node| self.tie_of[*node as usize].is_none()) {
+            let numbers: Vec<i32> = nodes.iter().map(|node| self.number(*node)).collect();
+            return matrix.add(&numbers, &numbers, values);
+        }
+        let unknowns: Vec<Vec<(u32, f64)>> =
+            nodes.iter().map(|node| self.unknowns(*node)).collect();
+        for (row, values) in unknowns.iter().zip(values.chunks_exact(nodes.len())) {
+            for (column, value) in unknowns.iter().zip(values) {
+                let numbers = |of: &[(u32, f64)]| -> Vec<i32> {
+                    of.iter().map(|(n, _)| self.nodes.numbers[*n as usize]).collect()
+                };
+                let parts =
+                    row.iter().flat_map(|(_, a)| column.iter().map(move |(_, b)| a * value * b));
+                matrix.add(&numbers(row), &numbers(column), &parts.collect::<Vec<f64>>())?;
+            }
+        }
+        Ok(())
     }
 
     /// Adds the product of the matrices that [`PoreSpace::assemble`] would add, `like` by prototype,

@@ -107,6 +107,21 @@ impl Loads {
         loads
     }
 
+    /// The mass that is injected into interfaces, as component 0 (kg/s at nodes of the lower lip). `mesh` is
+    /// the one of the pressure. Local.
+    pub fn injection(case: &Case, mesh: &LocalMesh) -> Self {
+        let mut loads = Self { dim: 1, ..Self::default() };
+        for (index, interface) in case.interfaces.iter().enumerate() {
+            let rate = interface.film.as_ref().and_then(|film| film.injection.clone());
+            if let Some(rate) = rate.filter(|rate| !rate.is_zero()) {
+                let name = format!("interfaces.{}: fluid.injection", interface.name);
+                let source = loads.source(name, [Some(rate), None, None], 1.0);
+                loads.facets(mesh, source, |place| on_lip(mesh, place, index, true));
+            }
+        }
+        loads
+    }
+
     /// Whether this rank has no load.
     pub fn is_empty(&self) -> bool {
         self.patches.is_empty()

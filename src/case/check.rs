@@ -49,6 +49,7 @@ impl Checker<'_> {
         let (time, start) = self.time(&file);
         self.solver(&file.solver);
         let (control, time, start) = self.control(&file, &interfaces, (time, start));
+        self.films(&mesh, &materials, &interfaces);
         let (physics, flow) = self.physics(&file, &materials, &interfaces, &boundary);
         if self.sound(&["mesh", "materials", "interfaces"]) {
             self.cells(&file, &mesh, &materials, &interfaces);
@@ -265,18 +266,19 @@ impl Checker<'_> {
             }
             below = Some(z);
             self.law(&format!("{path}.law"), &section.law);
-            let fluid_pressure = section
-                .fluid
-                .as_ref()
-                .map(|fluid| self.value(&format!("{path}.fluid.pressure"), &fluid.pressure));
-            interfaces.push(InterfaceSpec {
+            let mut interface = InterfaceSpec {
                 name: section.name.clone(),
                 z,
                 law: section.law.clone(),
                 secondary: section.secondary,
-                fluid_pressure,
-                connected: section.fluid.as_ref().is_some_and(|fluid| fluid.connected),
-            });
+                fluid_pressure: None,
+                connected: false,
+                film: None,
+            };
+            if let Some(fluid) = &section.fluid {
+                self.fluid(&format!("{path}.fluid"), fluid, &mut interface);
+            }
+            interfaces.push(interface);
         }
         interfaces
     }

@@ -178,11 +178,18 @@ pub(super) struct InterfaceSection {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FluidSection {
-    /// Its pressure in Pa.
-    pub pressure: Quantity,
-    /// Whether the pore pressure at the lips equals it.
+    /// Its imposed pressure in Pa.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure: Option<Quantity>,
+    /// Whether the pore pressure at the lips equals the imposed one.
     #[serde(default)]
     pub connected: bool,
+    /// Whether it flows along the interface, with the pressure of the pores at both lips.
+    #[serde(default)]
+    pub flow: bool,
+    /// Mass in kg/m2/s that is injected into the interface, where it then flows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub injection: Option<Quantity>,
 }
 
 /// What is prescribed on a surface.

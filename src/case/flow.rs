@@ -97,6 +97,9 @@ impl Checker<'_> {
             if interface.connected {
                 acts.get_or_insert_with(|| format!("interfaces.{index}.fluid.connected"));
             }
+            if interface.film.is_some() {
+                acts.get_or_insert_with(|| format!("interfaces.{index}.fluid"));
+            }
         }
         if initial.as_ref().is_some_and(|initial| !initial.is_zero()) {
             acts.get_or_insert_with(|| "initial.pressure".to_owned());

@@ -21,6 +21,15 @@ pub struct InterfaceSpec {
     pub fluid_pressure: Option<Value>,
     /// Whether the pore pressure at the lips equals it.
     pub connected: bool,
+    /// Fluid that flows along the interface at a pressure of its own.
+    pub film: Option<FilmSpec>,
+}
+
+/// Fluid that flows along an interface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FilmSpec {
+    /// Mass that is injected, in kg/m2/s.
+    pub injection: Option<Value>,
 }
 
 /// A side of an interface.

@@ -5,6 +5,7 @@ mod check;
 mod control;
 mod file;
 mod flow;
+mod fluid;
 mod formula;
 mod initial;
 mod interface;
@@ -28,7 +29,7 @@ pub use control::{Control, ControlKind};
 pub use flow::FlowSpec;
 pub use formula::Formula;
 pub use initial::Imperfection;
-pub use interface::{InterfaceSpec, Side};
+pub use interface::{FilmSpec, InterfaceSpec, Side};
 pub use limits::Every;
 pub use material::{Material, Porous};
 pub use mesh::{Cells, Formulation, MeshSpec};
@@ -192,6 +193,8 @@ impl Case {
         let mut values: Vec<&Value> = of_boundary.flatten().collect();
         if self.flow.is_some() {
             values.extend(self.boundary.iter().flat_map(|b| b.pressure.iter().chain(&b.flux)));
+            let films = self.interfaces.iter().filter_map(|i| i.film.as_ref());
+            values.extend(films.filter_map(|film| film.injection.as_ref()));
         }
         values.extend(of_interfaces.chain(&self.body_force));
         match self.control.as_ref().map(|control| &control.kind) {

@@ -18,7 +18,7 @@ impl Case {
     }
 
     /// The interface quantities that have a smallest, a largest and a mean value.
-    fn interface_quantities(&self) -> Vec<String> {
+    fn interface_quantities(&self, interface: &InterfaceSpec) -> Vec<String> {
         let tangents = &self.axes()[..self.dim - 1];
         let along = |what: &'static str| tangents.iter().map(move |axis| format!("{what}_{axis}"));
         let mut names = vec!["normal_traction".to_owned()];
@@ -26,6 +26,7 @@ impl Case {
         names.push("normal_jump".to_owned());
         names.extend(along("sliding"));
         names.push("damage".to_owned());
+        names.extend(interface.film.is_some().then(|| "pressure".to_owned()));
         names
     }
 
@@ -42,7 +43,7 @@ impl Case {
 
     /// Whether fluid flows from an interface into the rock.
     pub fn has_flux(&self, interface: &InterfaceSpec) -> bool {
-        self.flow.is_some() && interface.connected
+        self.flow.is_some() && (interface.connected || interface.film.is_some())
     }
 
     /// All columns of `history.csv`, in their order.
@@ -52,7 +53,7 @@ impl Case {
                 .map(str::to_owned)
                 .to_vec();
         for interface in &self.interfaces {
-            for quantity in self.interface_quantities() {
+            for quantity in self.interface_quantities(interface) {
                 for statistic in ["min", "max", "mean"] {
                     columns.push(format!("{}.{quantity}.{statistic}", interface.name));
                 }

@@ -137,7 +137,9 @@ fn eigenvalues(
             let free = Prescribed::new(&free, &column);
             let kept = multipliers == Multipliers::DualOnPrescribed;
             let without = if kept { &free } else { &prescribed };
-            let terms = integrate(&mesh, &sides, without).expect("sides that cover each other");
+            let fixed = |node: u64| without.components_of(node);
+            let terms =
+                integrate(&mesh, &sides, (dim, &fixed)).expect("sides that cover each other");
             let nodes: Vec<(u64, usize)> = mesh
                 .nodes
                 .iter()

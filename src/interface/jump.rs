@@ -12,7 +12,7 @@ use crate::comm::Comm;
 use crate::element::Shape;
 use crate::error::Result;
 use crate::mesh::{Column, Facets, LocalMesh};
-use crate::space::{Directory, Prescribed};
+use crate::space::Directory;
 
 /// The jump of one component at one secondary node.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,7 +103,8 @@ pub(super) struct Term {
     value: f64,
 }
 
-/// The rows of all secondary nodes that this rank's cells touch, by rising name.
+/// The rows of all secondary nodes that this rank's cells touch, by rising name, of a field with so many
+/// components; `fixed` tells which of them carry no multiplier at a node.
 ///
 /// Collective: each rank integrates the facets of its own cells.
 ///
@@ -113,10 +114,10 @@ pub fn jump_rows(
     comm: &Comm,
     mesh: &LocalMesh,
     sides: &[Sides],
-    prescribed: &Prescribed,
+    (components, fixed): (usize, &dyn Fn(u64) -> [bool; 3]),
     directory: &Directory<'_>,
 ) -> Result<Vec<JumpRows<u64>>> {
-    let terms = comm.agree(integrate(mesh, sides, prescribed))?;
+    let terms = comm.agree(integrate(mesh, sides, (components, fixed)))?;
     let nodes: Vec<(u64, usize)> = mesh
         .nodes
         .iter()
@@ -135,7 +136,7 @@ pub fn jump_rows(
 pub(super) fn integrate(
     mesh: &LocalMesh,
     sides: &[Sides],
-    prescribed: &Prescribed,
+    (components, fixed): (usize, &dyn Fn(u64) -> [bool; 3]),
 ) -> Result<Vec<Term>> {
     let column = &mesh.column;
     let mut terms = Vec::new();
@@ -150,10 +151,8 @@ pub(super) fn integrate(
                 .map(|at| plane_facet(column, side.primary, at))
                 .collect();
             let primary: Vec<&PlaneFacet> = primary.iter().collect();
-            for row in
-                facet_rows(&secondary, &primary, &dropped(&secondary, prescribed, column.dim))?
-            {
-                for component in (0..column.dim).filter(|c| row.components[*c]) {
+            for row in facet_rows(&secondary, &primary, &dropped(&secondary, components, fixed))? {
+                for component in (0..components).filter(|c| row.components[*c]) {
                     let term = |other, value| Term {
                         node: row.node,
                         component: component as u64,
@@ -183,10 +182,10 @@ fn plane_facet(column: &Column, face: Facets, at: [usize; 2]) -> PlaneFacet {
 }
 
 /// Per component, the nodes of a facet that carry no multiplier, one bit each.
-fn dropped(facet: &PlaneFacet, prescribed: &Prescribed, dim: usize) -> Vec<u16> {
-    let mut masks = vec![0u16; dim];
+fn dropped(facet: &PlaneFacet, components: usize, fixed: &dyn Fn(u64) -> [bool; 3]) -> Vec<u16> {
+    let mut masks = vec![0u16; components];
     for (bit, node) in facet.nodes().iter().enumerate() {
-        for (mask, fixed) in masks.iter_mut().zip(prescribed.components_of(*node)) {
+        for (mask, fixed) in masks.iter_mut().zip(fixed(*node)) {
             *mask |= u16::from(fixed) << bit;
         }
     }

@@ -1,10 +1,13 @@
-//! Interfaces: which side carries the multipliers, and the jump as rows over nodal values.
+//! Interfaces: which side carries the multipliers, the jump as rows over nodal values, and the film of
+//! fluid between the lips.
 
+mod film;
 #[cfg(test)]
 mod inf_sup_tests;
 mod jump;
 pub mod mortar;
 mod sides;
 
+pub use film::{Film, FilmState, Fluid};
 pub use jump::{JumpRow, JumpRows, jump_rows};
 pub use sides::Sides;

@@ -75,12 +75,17 @@ impl FieldWriter {
                 .iter()
                 .map(|i| problem.all.nodes.names[problem.all.secondary[*i].node as usize] as i64)
                 .collect();
-            let data = [
+            let mut data = vec![
                 Array { name: "traction", components: 3, values: Values::F64(&traction) },
                 Array { name: "jump", components: 3, values: Values::F64(&jump) },
                 Array { name: "damage", components: 1, values: Values::F64(&damage) },
                 Array { name: "state", components: 1, values: Values::I32(&branch) },
             ];
+            let pressure = film_pressure(model, &side.nodes);
+            if case.interfaces[index].film.is_some() {
+                let values = Values::F64(&pressure);
+                data.push(Array { name: "pressure", components: 1, values });
+            }
             let known =
                 [Array { name: "global_node_id", components: 1, values: Values::I64(&names) }];
             let fixed = Fixed { grid: &grid, data: Data { points: &known, cells: &[] } };
@@ -182,6 +187,16 @@ impl PoreFields {
         }
         Some(fields)
     }
+}
+
+/// Pressure of the film at entries of `Discretization::secondary` (Pa), 0 where there is none.
+fn film_pressure(model: &Model<'_>, nodes: &[usize]) -> Vec<f64> {
+    let mut pressure = vec![0.0; model.stepper.problem.all.secondary.len()];
+    let flow = model.stepper.coupling.as_ref().map(|coupling| &coupling.flow);
+    for (index, value) in flow.iter().flat_map(|f| f.space.films.pressures(&f.pressure)) {
+        pressure[index as usize] = value;
+    }
+    nodes.iter().map(|index| pressure[*index]).collect()
 }
 
 fn point(model: &Model<'_>, node: u32) -> [f64; 3] {

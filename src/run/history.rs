@@ -82,7 +82,9 @@ impl Statistic {
 fn interface_statistics(case: &Case, model: &Model<'_>, comm: &Comm) -> Vec<Option<f64>> {
     let problem = &model.stepper.problem;
     let dim = case.dim;
-    let per_interface = 2 * dim + 1;
+    // The last one is the pressure of a film.
+    let per_interface = 2 * dim + 2;
+    let is_film = |interface: usize| case.interfaces[interface].film.is_some();
     let mut all = vec![Statistic::NONE; per_interface * case.interfaces.len()];
     let state = &problem.interfaces;
     for (rows, response) in problem.all.secondary.iter().zip(&state.response) {
@@ -99,6 +101,14 @@ fn interface_statistics(case: &Case, model: &Model<'_>, comm: &Comm) -> Vec<Opti
             own[2 * dim].see(law.damage(response.history), rows.law_weight(dim));
         }
     }
+    let flow = model.stepper.coupling.as_ref().map(|coupling| &coupling.flow);
+    for (index, pressure) in flow.iter().flat_map(|f| f.space.films.pressures(&f.pressure)) {
+        let rows = &problem.all.secondary[index as usize];
+        if rows.has_multiplier() {
+            let own = &mut all[(rows.interface + 1) * per_interface - 1];
+            own.see(pressure, rows.law_weight(dim));
+        }
+    }
     let mut least: Vec<f64> = all.iter().map(|s| s.least).collect();
     let mut most: Vec<f64> = all.iter().map(|s| s.most).collect();
     let mut sums: Vec<f64> = all.iter().flat_map(|s| [s.weighted, s.weight]).collect();
@@ -108,13 +118,14 @@ fn interface_statistics(case: &Case, model: &Model<'_>, comm: &Comm) -> Vec<Opti
     let mut row = Vec::with_capacity(3 * all.len());
     for (i, sum) in sums.chunks_exact(2).enumerate() {
         let some = sum[1] > 0.0;
-        row.extend([least[i], most[i], sum[0] / sum[1]].map(|v| some.then_some(v)));
         let (interface, place) = (i / per_interface, i % per_interface);
-        if let Some(coupling) = &model.stepper.coupling
-            && place + 1 == per_interface
-            && case.has_flux(&case.interfaces[interface])
-        {
-            let rates = coupling.flow.into_sides[interface];
+        let is_last = place + 1 == per_interface;
+        if !is_last || is_film(interface) {
+            row.extend([least[i], most[i], sum[0] / sum[1]].map(|v| some.then_some(v)));
+        }
+        let flux = is_last && case.has_flux(&case.interfaces[interface]);
+        if let Some(flow) = flow.filter(|_| flux) {
+            let rates = flow.into_sides[interface];
             row.extend(rates.map(|rate| Some(rate / case.mesh.section())));
         }
     }

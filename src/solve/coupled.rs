@@ -20,7 +20,7 @@ use std::rc::Rc;
 use super::condensed;
 use super::flow::Flow;
 use super::problem::Problem;
-use crate::assembly::{PoreSpace, TangentOperator};
+use crate::assembly::{FilmTangent, PoreSpace, TangentOperator};
 use crate::bulk::{FlowStep, PorousCell};
 use crate::comm::Comm;
 use crate::error::Result;
@@ -70,6 +70,8 @@ pub struct Blocks {
     pores: Rc<PoreSpace>,
     /// C of each prototype.
     compressibility: RefCell<Vec<Vec<f64>>>,
+    /// What the films add to C at the last state, and their dependence on openings.
+    films: RefCell<FilmTangent>,
     /// Pressure over its unknown (Pa/m).
     scale: f64,
     /// Entry of identity rows (N/m).
@@ -105,6 +107,7 @@ impl Blocks {
             tangent,
             pores,
             compressibility: RefCell::default(),
+            films: RefCell::default(),
             scale,
             diagonal,
             split,
@@ -128,7 +131,7 @@ impl Blocks {
         Ok(change)
     }
 
-    /// Assembles the flow of a step. Collective.
+    /// Assembles the flow of a step, with the films as they were set last. Collective.
     fn set_flow(&self, comm: &Comm, step: &FlowStep) -> Result<()> {
         let like = self.pores.prototypes.iter().map(|cell| cell.compressibility(step));
         *self.compressibility.borrow_mut() = like.collect();
@@ -136,9 +139,11 @@ impl Blocks {
             let parts = cell.compressibility(step).into_iter().zip(cell.yielding());
             parts.map(|(c, y)| c + y).collect()
         };
+        let yielding = |secondary| self.tangent.opening_compliance(secondary);
+        let films = self.films.borrow().blocks(&self.pores.films, yielding);
         let block = &mut *self.flow.borrow_mut();
         let (square, matrix) = (self.scale * self.scale, block.solver.matrix_mut());
-        self.pores.assemble(comm, with_yielding, (square, self.diagonal), matrix)?;
+        self.pores.assemble(comm, with_yielding, &films, (square, self.diagonal), matrix)?;
         block.solver.set_up(TangentChange::Changed)?;
         Ok(())
     }
@@ -174,9 +179,11 @@ impl LinearOperator for Operator {
             let mut u = vec![0.0; blocks.tangent.unknowns_held()];
             u[..xu.len()].copy_from_slice(xu);
             blocks.tangent.expand(&mut u);
+            let (all, pores) = (blocks.tangent.discretization(), &blocks.pores);
             let mut rows = vec![0.0; p.len()];
-            blocks.pores.add_volumes(blocks.tangent.discretization(), &u, &mut rows);
-            blocks.pores.add_product(&blocks.compressibility.borrow(), &p, &mut rows);
+            pores.add_volumes(all, &u, &mut rows);
+            pores.add_product(&blocks.compressibility.borrow(), &p, &mut rows);
+            blocks.films.borrow().add_product(&pores.films, all, (&u, &p), &mut rows);
             blocks.pores.fold(&mut rows);
             yp.iter_mut().zip(&rows).for_each(|(y, row)| *y = -blocks.scale * row);
         }
@@ -256,7 +263,11 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         let (problem, coupling) = (&mut *self.problem, &mut *self.coupling);
         let mut change = coupling.blocks.set_mechanics(problem, x)?;
         let step = coupling.flow.step;
-        if coupling.assembled != Some(step) {
+        let state = (&problem.displacement[..], &coupling.flow.pressure[..]);
+        let films = coupling.flow.space.films.linearise(&problem.all, state, &step);
+        let differ = films != *coupling.blocks.films.borrow();
+        if problem.comm.any(differ) || coupling.assembled != Some(step) {
+            coupling.blocks.films.replace(films);
             let _phase = problem.timers.enter(Phase::Assembly);
             coupling.blocks.set_flow(problem.comm, &step)?;
             coupling.assembled = Some(step);

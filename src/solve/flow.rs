@@ -2,6 +2,10 @@
 //!
 //! Masses are divided by the reference density of the fluid, as in [`crate::bulk::PorousCell`].
 
+mod accounts;
+
+pub use accounts::FluidBalance;
+
 use std::rc::Rc;
 
 use super::Problem;
@@ -11,18 +15,22 @@ use crate::bulk::{FlowStep, Loads, MAX_CORNERS};
 use crate::comm::Comm;
 use crate::element::Shape;
 use crate::error::Result;
-use crate::space::{Place, PrescribedPressure};
+use crate::space::PrescribedPressure;
+use accounts::Contents;
 
-/// Fluid that came in, went out and is stored beyond what the undeformed state held (kg; 2D: per metre
-/// of thickness).
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct FluidBalance {
-    /// Through prescribed pressures and fluxes, since the start.
-    pub inflow: f64,
-    /// Likewise, counted positive.
-    pub outflow: f64,
-    /// In the pores, since the start.
-    pub stored: f64,
+/// Fluid that comes in from outside.
+pub struct Source {
+    /// Mass flux (kg/m2/s).
+    rate: Loads,
+    /// Through this rank's facets at the two ends of the step (m3/s), at all local nodes, not summed.
+    at: [Vec<f64>; 2],
+}
+
+impl Source {
+    /// Before any step.
+    pub fn new(rate: Loads, nodes: usize) -> Self {
+        Self { rate, at: [vec![0.0; nodes], vec![0.0; nodes]] }
+    }
 }
 
 /// Pressure, time step and accounts of one rank.
@@ -30,8 +38,10 @@ pub struct Flow {
     /// Nodes and cells.
     pub space: Rc<PoreSpace>,
     prescribed: PrescribedPressure,
-    /// Mass flux through the surfaces (kg/m2/s).
-    inflow: Loads,
+    /// Through the surfaces of the porous cells.
+    inflow: Source,
+    /// Into the films.
+    injection: Source,
     /// Density of the fluid at the reference pressure (kg/m3).
     density: f64,
     /// Unknowns are pressures over this (Pa/m): their rows then have the unit and the size of those of
@@ -41,11 +51,12 @@ pub struct Flow {
     pub step: FlowStep,
     /// Pressure of all local nodes at the state that was evaluated last (Pa).
     pub pressure: Vec<f64>,
-    /// At the last accepted state: pressure (Pa), stored fluid (m3) and flow (m3/s) of this rank's
-    /// cells at all local nodes, not summed.
-    before: [Vec<f64>; 3],
-    /// Inflow of this rank's facets at the two ends of the step (m3/s), not summed.
-    source: [Vec<f64>; 2],
+    /// Likewise at the last accepted state.
+    before: Vec<f64>,
+    /// At the last accepted state, in this rank's cells.
+    in_pores: Contents,
+    /// Likewise in its films; empty without any.
+    in_films: Contents,
     /// What was left of the balance of owned nodes at the last accepted state (m3): the next step makes up
     /// for it, so that the accounts close however many steps there are.
     left: Vec<f64>,
@@ -72,7 +83,7 @@ impl Flow {
     pub fn new(
         space: Rc<PoreSpace>,
         prescribed: PrescribedPressure,
-        inflow: Loads,
+        [inflow, injection]: [Source; 2],
         density: f64,
         step: FlowStep,
         scale: f64,
@@ -82,13 +93,15 @@ impl Flow {
     ) -> Self {
         let none = || vec![0.0; space.nodes.len()];
         Self {
-            before: [initial.clone(), none(), none()],
-            source: [none(), none()],
+            before: initial.clone(),
+            in_pores: Contents::default(),
+            in_films: Contents::default(),
             left: none(),
             pressure: initial,
             space,
             prescribed,
             inflow,
+            injection,
             density,
             scale,
             step,
@@ -102,29 +115,6 @@ impl Flow {
         }
     }
 
-    /// Makes displacements `u` of all local nodes and the present pressures the state from which the
-    /// next step starts. Collective.
-    pub fn begin(&mut self, comm: &Comm, all: &Discretization, u: &[f64]) {
-        self.keep(all, u);
-        let stored = self.total_stored(comm);
-        self.initial = stored - self.balance.stored / self.density;
-    }
-
-    fn total_stored(&self, comm: &Comm) -> f64 {
-        let mut sum = [self.before[1].iter().sum::<f64>()];
-        comm.sum(&mut sum);
-        sum[0]
-    }
-
-    fn keep(&mut self, all: &Discretization, u: &[f64]) {
-        let [before, stored, flow] = &mut self.before;
-        before.copy_from_slice(&self.pressure);
-        stored.fill(0.0);
-        self.space.add_stored(all, (u, &self.pressure), self.step.lumped, stored);
-        flow.fill(0.0);
-        self.space.add_flow(all, &self.pressure, &self.step.gravity, flow);
-    }
-
     /// Starts a step from `start` to `target`. Collective.
     ///
     /// # Errors
@@ -133,13 +123,15 @@ impl Flow {
         self.step.length = target - start;
         self.remark();
         let (nodes, density) = (&self.space.nodes, self.density);
-        for (time, source) in [start, target].into_iter().zip(&mut self.source) {
-            source.fill(0.0);
-            let added = self.inflow.add(time, |name, _, mass| {
-                let node = nodes.local(name).expect("fluxes act on the rank's own porous cells");
-                source[node as usize] += mass / density;
-            });
-            comm.agree(added)?;
+        for Source { rate, at } in [&mut self.inflow, &mut self.injection] {
+            for (time, at) in [start, target].into_iter().zip(at) {
+                at.fill(0.0);
+                let added = rate.add(time, |name, _, mass| {
+                    let node = nodes.local(name).expect("sources act on the rank's porous cells");
+                    at[node as usize] += mass / density;
+                });
+                comm.agree(added)?;
+            }
         }
         Ok(())
     }
@@ -174,7 +166,7 @@ impl Flow {
     /// Whether the step to the last state is accurate enough. Collective.
     pub fn is_accurate(&mut self, comm: &Comm) -> bool {
         let (owned, length) = (self.space.nodes.owned, self.step.length);
-        let (before, after) = (&self.before[0][..owned], &self.pressure[..owned]);
+        let (before, after) = (&self.before[..owned], &self.pressure[..owned]);
         self.pace.as_mut().is_none_or(|pace| pace.accepts(comm, before, after, length))
     }
 
@@ -197,32 +189,12 @@ impl Flow {
         let pairs = self.pressure.iter_mut().zip(x);
         pairs.for_each(|(p, x)| *p = self.scale * x);
         self.space.nodes.update_ghosts(&mut self.pressure, 1);
+        self.space.follow(&mut self.pressure);
     }
 
     /// Forces of the pressure on the local displacement nodes, not summed (N). Local.
     pub fn add_forces(&self, all: &Discretization, force: &mut [f64]) {
         self.space.add_forces(all, &self.pressure, true, force);
-    }
-
-    /// The parts of the step that count for its start and for its end (s).
-    fn weights(&self) -> [f64; 2] {
-        let FlowStep { length, theta, .. } = self.step;
-        [(1.0 - theta) * length, theta * length]
-    }
-
-    /// The balance of the step at all local nodes, not summed, and the magnitudes of its parts (m3).
-    fn rows(&self, all: &Discretization, u: &[f64], every: bool) -> [Vec<f64>; 2] {
-        let [before, stored, flow] = &self.before;
-        let (mut rows, mut sizes) = (vec![0.0; before.len()], vec![0.0; before.len()]);
-        let state = (u, &self.pressure[..], &before[..]);
-        self.space.add_balance(all, state, &self.step, every, (&mut rows, &mut sizes));
-        let ends = self.weights();
-        for (i, row) in rows.iter_mut().enumerate() {
-            let source: f64 = ends.iter().zip(&self.source).map(|(part, s)| part * s[i]).sum();
-            *row += ends[0] * flow[i] - stored[i] - source + self.left[i];
-            sizes[i] += source.abs();
-        }
-        [rows, sizes]
     }
 
     /// The residual of the last state: of what is missing at each owned node, in the unit of a force (N).
@@ -235,9 +207,9 @@ impl Flow {
         (u, known): (&[f64], &[f64]),
         f: &mut [f64],
     ) -> f64 {
-        let [mut rows, mut sizes] = self.rows(all, u, false);
+        let [mut rows, mut sizes] = self.rows(all, u);
         self.space.fold(&mut rows);
-        self.space.nodes.add_to_owners(&mut sizes, 1);
+        self.space.sum(&mut sizes);
         let largest = |of: &[f64]| {
             of.iter().fold(0.0_f64, |m, v| if v.is_nan() { f64::INFINITY } else { m.max(v.abs()) })
         };
@@ -265,46 +237,6 @@ impl Flow {
     /// Largest magnitude of the balance at the accepted states (m3), for a run that goes on.
     pub fn accepted_scale(&self) -> f64 {
         self.scales[0]
-    }
-
-    /// Makes the state that was evaluated last an accepted one: `u` are its displacements at all local
-    /// nodes. Collective.
-    pub fn accept(&mut self, comm: &Comm, all: &Discretization, u: &[f64]) {
-        self.scales[0] = self.scales[0].max(self.scales[1]);
-        let [mut rows, _] = self.rows(all, u, true);
-        let mut left = rows.clone();
-        self.space.fold(&mut left);
-        self.space.nodes.add_to_owners(&mut rows, 1);
-        self.left = left;
-        let mut sums = vec![0.0; 3 + 2 * self.into_sides.len()];
-        for (part, source) in self.weights().iter().zip(&self.source) {
-            for s in source {
-                sums[if *s > 0.0 { 0 } else { 1 }] += self.density * part * s.abs();
-            }
-        }
-        for node in (0..self.space.nodes.owned).filter(|n| self.space.prescribed[*n]) {
-            let name = self.space.nodes.names[node];
-            let mass = self.density * rows[node];
-            sums[if mass > 0.0 { 0 } else { 1 }] += mass.abs();
-            let entry = self.prescribed.entry_of(name).map(|entry| self.prescribed.place(entry));
-            if let Some(Place::Lips(index)) = entry {
-                let upper = usize::from(self.prescribed.is_upper_lip(index, name));
-                sums[3 + 2 * index + upper] += mass / self.step.length;
-            }
-        }
-        let owned = self.space.nodes.owned;
-        if let Some(pace) = &mut self.pace {
-            pace.go_on(&self.before[0][..owned], &self.pressure[..owned], self.step.length);
-        }
-        self.keep(all, u);
-        sums[2] = self.before[1].iter().sum();
-        comm.sum(&mut sums);
-        self.balance.inflow += sums[0];
-        self.balance.outflow += sums[1];
-        self.balance.stored = self.density * (sums[2] - self.initial);
-        for (into, sums) in self.into_sides.iter_mut().zip(sums[3..].chunks_exact(2)) {
-            into.copy_from_slice(sums);
-        }
     }
 
     /// Values of pressure nodes, the owned ones or none, at every owned displacement node that is a

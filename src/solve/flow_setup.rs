@@ -3,13 +3,15 @@
 use std::rc::Rc;
 
 use super::coupled::{Blocks, Coupling};
-use super::flow::Flow;
+use super::film_setup::{films, further_nodes, tie_rows, ties};
+use super::flow::{Flow, Source};
 use super::pace::Pace;
 use crate::assembly::{Discretization, PoreCell, PoreSpace, TangentOperator};
 use crate::bulk::{FlowStep, Loads, MAX_CORNERS, PorousCell, PorousMedium};
 use crate::case::{Case, FlowSpec};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
+use crate::interface::Sides;
 use crate::mesh::{LocalMesh, NodePlace, axes};
 use crate::petsc::{KspSetup, Matrix, Snes};
 use crate::runtime::Runtime;
@@ -59,18 +61,21 @@ pub fn couple(
     runtime: &Runtime,
     case: &Case,
     flow: &FlowSpec,
-    (mesh, all): (&LocalMesh, &Rc<Discretization>),
+    (mesh, all, sides): (&LocalMesh, &Rc<Discretization>, &[Sides]),
     (mechanics, tangent): (Snes, Rc<TangentOperator>),
 ) -> Result<(Snes, Coupling, usize)> {
     let (comm, petsc, dim) = (&runtime.comm, &runtime.petsc, case.dim);
     let corners = LocalMesh::new(&mesh.column.of_first_order(), mesh.cells.clone(), 0);
     let prescribed = PrescribedPressure::new(case, &corners.column);
-    let space = Rc::new(pore_space(comm, case, mesh, &corners, &prescribed)?);
+    let pressures = Pressures { corners: &corners, prescribed: &prescribed };
+    let space = Rc::new(pore_space(comm, case, (mesh, all, sides), &pressures)?);
     let owned = &space.nodes.names[..space.nodes.owned];
     AtNode::agree(comm, prescribed.check(owned, &case.load_times()))?;
-    let inflow = Loads::inflow(case, &corners);
-    comm.agree(inflow.check(&case.load_times()))?;
-    let initial = AtNode::agree(comm, initial(case, flow, &corners, &space))?;
+    let [inflow, injection] = [Loads::inflow(case, &corners), Loads::injection(case, &corners)];
+    comm.agree([&inflow, &injection].iter().try_for_each(|of| of.check(&case.load_times())))?;
+    let sources = [inflow, injection].map(|rate| Source::new(rate, space.nodes.len()));
+    let mut initial = AtNode::agree(comm, initial(case, flow, &corners, &space))?;
+    space.follow(&mut initial);
 
     let stiffest = |p: &crate::mesh::Prototype| {
         let edges = axes(dim).iter().map(|axis| p.size[*axis]);
@@ -107,7 +112,7 @@ pub fn couple(
     let flow = Flow::new(
         space,
         prescribed,
-        inflow,
+        sources,
         density.unwrap_or(1.0),
         FlowStep { length: 0.0, theta: flow.theta, gravity, lumped: flow.lumped },
         scale[0],
@@ -118,15 +123,26 @@ pub fn couple(
     Ok((snes, Coupling::new(flow, blocks), rows))
 }
 
-/// Nodes and cells of the pressure; `corners` is the mesh with cells of first order. Collective.
+/// Where pressures stand and which of them are prescribed.
+pub(super) struct Pressures<'a> {
+    /// The mesh with cells of first order.
+    pub corners: &'a LocalMesh,
+    /// What the case prescribes.
+    pub prescribed: &'a PrescribedPressure,
+}
+
+/// Nodes, cells, ties and films of the pressure. Collective.
+///
+/// # Errors
+/// As [`tie_rows`].
 fn pore_space(
     comm: &Comm,
     case: &Case,
-    mesh: &LocalMesh,
-    corners: &LocalMesh,
-    prescribed: &PrescribedPressure,
+    (mesh, all, sides): (&LocalMesh, &Discretization, &[Sides]),
+    pressures: &Pressures<'_>,
 ) -> Result<PoreSpace> {
     let dim = case.dim;
+    let Pressures { corners, prescribed } = pressures;
     let mut index = vec![None; mesh.prototypes.len()];
     let mut prototypes = Vec::new();
     for (prototype, index) in mesh.prototypes.iter().zip(&mut index) {
@@ -147,6 +163,8 @@ fn pore_space(
     touched.sort_unstable();
     touched.dedup();
     let directory = Directory::new(comm, column.nodes(), &touched);
+    let rows = tie_rows(comm, case, sides, pressures, &directory)?;
+    touched.extend(further_nodes(case, (mesh, all), pressures, &rows));
     let nodes = Nodes::new(comm, &directory, &touched)?;
     let cells = porous.iter().map(|(cell, name, prototype)| {
         let mut of = [0; MAX_CORNERS];
@@ -156,6 +174,8 @@ fn pore_space(
         PoreCell { cell: *cell as u32, prototype: *prototype, nodes: of }
     });
     let cells = cells.collect();
+    let (ties, tie_of) = ties(&rows, &nodes);
+    let films = films(case, sides, (mesh, all), pressures, &nodes);
     let displacement_name = |name: &u64| {
         let NodePlace { body, at } = column.node_place(*name);
         let order = mesh.column.order(body);
@@ -165,6 +185,9 @@ fn pore_space(
         dim,
         cells,
         prototypes,
+        ties,
+        tie_of,
+        films,
         prescribed: nodes.names.iter().map(|n| prescribed.entry_of(*n).is_some()).collect(),
         displacement_names: nodes.names[..nodes.owned].iter().map(displacement_name).collect(),
         nodes,

@@ -5,6 +5,7 @@ mod convergence;
 mod coupled;
 mod eigen;
 mod energy;
+mod film_setup;
 mod flow;
 mod flow_setup;
 mod imperfection;

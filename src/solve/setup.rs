@@ -103,7 +103,7 @@ pub fn build<'a>(
             TangentForm::Levels(hierarchy) => Rc::clone(hierarchy.finest()),
             _ => Rc::new(TangentOperator::new(Rc::clone(&all), diagonal)),
         };
-        let coupled = couple(runtime, case, flow, (&mesh, &all), (snes, tangent))?;
+        let coupled = couple(runtime, case, flow, (&mesh, &all, &sides), (snes, tangent))?;
         (snes, rows, width) = (coupled.0, coupled.2, 1);
         coupling = Some(coupled.1);
     }
@@ -138,7 +138,8 @@ fn discretize(
 ) -> Result<Discretization> {
     let prescribed = Prescribed::new(case, &mesh.column);
     let directory = Directory::new(comm, mesh.column.nodes(), &mesh.nodes);
-    let rows = jump_rows(comm, mesh, sides, &prescribed, &directory)?;
+    let fixed = |node: u64| prescribed.components_of(node);
+    let rows = jump_rows(comm, mesh, sides, (case.dim, &fixed), &directory)?;
     let mut needed = mesh.nodes.clone();
     needed.extend(
         rows.iter()

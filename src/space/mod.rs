@@ -11,4 +11,4 @@ mod pressure;
 pub use directory::Directory;
 pub use nodes::Nodes;
 pub use prescribed::{AtNode, Prescribed};
-pub use pressure::{Place, PrescribedPressure};
+pub use pressure::PrescribedPressure;

@@ -7,7 +7,7 @@ use crate::mesh::{Column, Facets};
 
 /// Where an entry prescribes the pressure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
+enum Place {
     /// The nodes of a surface, or all.
     Surface(Surface),
     /// Both lips of an interface, by its index.
@@ -21,6 +21,17 @@ pub struct PrescribedPressure {
     /// The column of the pressure nodes.
     column: Column,
     entries: Vec<(String, Place, Value)>,
+    /// Interfaces from which fluid flows into the pores.
+    feeding: Vec<usize>,
+}
+
+/// The face of a body that is a lip of an interface.
+fn lip(interface: usize, upper: bool) -> Facets {
+    if upper {
+        Facets { body: interface + 1, upper: false }
+    } else {
+        Facets { body: interface, upper: true }
+    }
 }
 
 impl PrescribedPressure {
@@ -39,7 +50,8 @@ impl PrescribedPressure {
                 entries.push((name, Place::Surface(entry.on), pressure.clone()));
             }
         }
-        Self { column: column.clone(), entries }
+        let feeding = (0..case.interfaces.len()).filter(|i| case.has_flux(&case.interfaces[*i]));
+        Self { column: column.clone(), entries, feeding: feeding.collect() }
     }
 
     /// The entry that prescribes the pressure of a node: the first of those that do.
@@ -59,19 +71,14 @@ impl PrescribedPressure {
 
     /// Whether a node lies on a lip of an interface.
     fn is_lip(&self, index: usize, node: u64) -> bool {
-        let lower = Facets { body: index, upper: true };
-        let upper = Facets { body: index + 1, upper: false };
-        self.column.is_on(lower, node) || self.column.is_on(upper, node)
+        [false, true].iter().any(|upper| self.column.is_on(lip(index, *upper), node))
     }
 
-    /// Whether a node lies on the upper lip of an interface.
-    pub fn is_upper_lip(&self, index: usize, node: u64) -> bool {
-        self.column.is_on(Facets { body: index + 1, upper: false }, node)
-    }
-
-    /// Where an entry prescribes the pressure.
-    pub fn place(&self, entry: usize) -> Place {
-        self.entries[entry].1
+    /// The interface on whose lip a node lies, and whether that is the upper lip; only of interfaces from
+    /// which fluid flows into the pores.
+    pub fn lip_of(&self, node: u64) -> Option<(usize, bool)> {
+        let lips = self.feeding.iter().flat_map(|index| [(*index, false), (*index, true)]);
+        lips.into_iter().find(|(index, upper)| self.column.is_on(lip(*index, *upper), node))
     }
 
     /// The pressure that an entry prescribes at a node (Pa).

@@ -5,6 +5,7 @@
 mod common;
 mod branches;
 mod energy;
+mod film;
 mod flow;
 mod fluid;
 #[path = "../common/faults.rs"]

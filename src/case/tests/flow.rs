@@ -38,6 +38,20 @@ fn a_connected_fluid_reports_what_flows_into_either_side() {
 }
 
 #[test]
+fn fluid_flows_along_an_interface() {
+    for fluid in ["{flow: true}", "{injection: {table: [[1, 0], [1.5, 1.0e-3]]}}"] {
+        let case = good(&[POROUS, &format!("interfaces.0.fluid={fluid}")]);
+        assert_eq!(case.physics, PhysicsDecision::HydroMechanics);
+        assert!(case.interfaces[0].film.is_some());
+        let columns = case.columns();
+        for name in ["joint.pressure.min", "joint.pressure.mean", "joint.flux_upper"] {
+            assert!(columns.contains(&name.to_owned()), "{name}");
+        }
+        assert_eq!(case.breakpoints().contains(&1.5), fluid.contains("table"));
+    }
+}
+
+#[test]
 fn mistakes_of_flow_are_told() {
     for (assignments, words) in [
         (vec!["boundary.2={on: top, pressure: 3}"], "acts on pores, but no material is porous"),
@@ -63,6 +77,20 @@ fn mistakes_of_flow_are_told() {
         (vec![POROUS, "materials.rock.porous.biot=0.1"], "must be at least the porosity 0.15"),
         (vec![POROUS, "materials.rock.porous.biot=1.1"], "biot must be"),
         (vec![POROUS, "materials.rock.porous.permeability=-1"], "permeability must be"),
+        (vec![POROUS, "interfaces.0.fluid={}"], "needs pressure, flow: true or injection"),
+        (
+            vec![POROUS, "interfaces.0.fluid={pressure: 1, injection: 1}"],
+            "cannot stand beside flow and injection",
+        ),
+        (
+            vec![POROUS, "interfaces.0.fluid={flow: true, connected: true}"],
+            "cannot stand beside flow and injection",
+        ),
+        (vec!["interfaces.0.fluid={flow: true}"], "rock has no porous data"),
+        (
+            vec![POROUS, "interfaces.0.fluid={flow: true}", "physics=mechanics"],
+            "needs physics: hydro_mechanics or auto",
+        ),
         (vec![POROUS, "solver.form=saddle_point"], "saddle_point knows no pore pressure"),
         (vec![POROUS, "solver.stability=follow"], "must be auto or off with flow"),
         (
@@ -81,4 +109,12 @@ fn mistakes_of_flow_are_told() {
     ];
     let text = message("mesh", "mesh", &two);
     assert!(text.contains("acts on base, which has no porous data"), "{text}");
+    // The interface at 2.5 m lies in the rock, that at 2 m between the two.
+    let base = "materials.base.porous={biot: 0.8, porosity: 0.15, permeability: 1.0e-19, \
+                viscosity: 1.0e-2, fluid_compressibility: 5.0e-10, fluid_density: 1000, \
+                density: 2500}";
+    let film = "interfaces.0.fluid={flow: true}";
+    good(&[two[0], two[1], POROUS, base, film]);
+    let text = message("mesh", "mesh", &[two[0], two[1], POROUS, base, film, "interfaces.0.z=2"]);
+    assert!(text.contains("viscosity is 0.01, but 0.001 in rock: one fluid"), "{text}");
 }
