@@ -307,6 +307,11 @@ impl Flow {
         }
     }
 
+    /// Pressure of all local nodes at the last accepted state (Pa). Local.
+    pub fn accepted_pressure(&self) -> &[f64] {
+        &self.before[0]
+    }
+
     /// Values of pressure nodes, the owned ones or none, at every owned displacement node that is a
     /// corner of a porous cell; 0 at others. Collective.
     pub fn at_corners(&self, all: &Discretization, values: &[f64]) -> Vec<f64> {

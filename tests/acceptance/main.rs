@@ -5,6 +5,7 @@
 mod common;
 mod branches;
 mod energy;
+mod equilibrium;
 mod flow;
 mod fluid;
 #[path = "../common/faults.rs"]
