@@ -7,10 +7,12 @@ mod branches;
 mod energy;
 mod equilibrium;
 mod flow;
+mod flow_orders;
 mod fluid;
 #[path = "../common/faults.rs"]
 #[allow(dead_code)] // as above
 mod faults;
+mod grid;
 
 mod kills;
 mod locking;
