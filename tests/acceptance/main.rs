@@ -17,6 +17,7 @@ mod grid;
 mod kills;
 mod locking;
 mod lorentz;
+mod mandel;
 mod manufactured;
 mod orders;
 mod patches;
