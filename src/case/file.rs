@@ -269,7 +269,7 @@ pub(super) struct TimeSection {
     /// Times in s, rising.
     #[schemars(length(min = 1, max = 10_000))]
     pub instants: Vec<f64>,
-    /// The time in s of the undeformed state.
+    /// The time in s of the state at the start.
     #[serde(default)]
     pub start: f64,
     /// Weight of the end of each step of the flow, 0.5 to 1; default: 1.

@@ -18,6 +18,8 @@ pub struct FlowSpec {
     pub tolerance: Option<f64>,
     /// Pore pressure at the start (Pa).
     pub initial: Value,
+    /// Whether the displacements at the start are in equilibrium with it, or 0.
+    pub equilibrium: bool,
     /// Whether each node stores the fluid of its share of a cell by its own pressure.
     pub lumped: bool,
 }
@@ -30,6 +32,10 @@ struct Given<'a> {
     known: bool,
     /// Path of the first entry that makes a pressure other than 0.
     acts: Option<String>,
+}
+
+fn starts_in_equilibrium(file: &CaseFile) -> bool {
+    file.initial.as_ref().is_some_and(|initial| initial.equilibrium)
 }
 
 impl Checker<'_> {
@@ -68,7 +74,8 @@ impl Checker<'_> {
         self.beside_flow(file);
         let initial = given.initial.unwrap_or(Value::Constant(0.0));
         let (tolerance, lumped) = (file.time.tolerance, file.solver.lumped_storage);
-        let flow = FlowSpec { theta, tolerance, initial, lumped };
+        let equilibrium = starts_in_equilibrium(file);
+        let flow = FlowSpec { theta, tolerance, initial, equilibrium, lumped };
         (PhysicsDecision::HydroMechanics, Some(flow))
     }
 
@@ -109,6 +116,11 @@ impl Checker<'_> {
 
     /// Says why the pore pressure is left out, or refuses to.
     fn leave_out(&mut self, file: &CaseFile, given: &Given<'_>) {
+        if starts_in_equilibrium(file) {
+            let reason = "needs a pore pressure that is computed (materials.NAME.porous and \
+                          physics: hydro_mechanics); without one a run starts undeformed";
+            self.add("initial.equilibrium", reason);
+        }
         if let Some(path) = &given.acts {
             let reason = if given.porous.is_empty() {
                 "acts on pores, but no material is porous (materials.NAME.porous)"

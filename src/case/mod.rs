@@ -91,7 +91,7 @@ pub struct Case {
     pub flow: Option<FlowSpec>,
     /// The instants in s, strictly rising, after `start`.
     pub time: Vec<f64>,
-    /// The time in s of the undeformed state.
+    /// The time in s of the state at the start.
     pub start: f64,
     /// Path following.
     pub control: Option<Control>,
@@ -214,6 +214,7 @@ impl Case {
     pub fn load_times(&self) -> Vec<f64> {
         let of = |time: &f64| self.control.as_ref().map_or(*time, |c| c.load_time(*time));
         let mut times: Vec<f64> = self.time.iter().map(of).chain(self.breakpoints()).collect();
+        times.extend(self.flow.as_ref().filter(|flow| flow.equilibrium).map(|_| self.start));
         times.sort_by(f64::total_cmp);
         times.dedup();
         times

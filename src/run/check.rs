@@ -39,18 +39,19 @@ pub fn describe(case: &Case) -> Result<String> {
     let choice = LinearChoice::new(case, &column);
     if column.nodes() <= MOST_NODES {
         let nodes: Vec<u64> = (0..column.nodes()).collect();
+        let times = case.load_times();
         let prescribed = Prescribed::new(case, &column);
-        let largest = prescribed.largest_value(&nodes, &case.time);
-        let checked = largest.and_then(|l| prescribed.check_agreement(&nodes, &case.time, l));
+        let largest = prescribed.largest_value(&nodes, &times);
+        let checked = largest.and_then(|l| prescribed.check_agreement(&nodes, &times, l));
         checked.map_err(|AtNode(_, error)| error)?;
         let mesh = LocalMesh::new(&column, (0..column.cells()).collect(), column.cells());
-        Loads::new(case, &mesh).check(&case.time)?;
+        Loads::new(case, &mesh).check(&times)?;
         if case.flow.is_some() {
             let corners = LocalMesh::new(&column.of_first_order(), mesh.cells.clone(), 0);
             let prescribed = PrescribedPressure::new(case, &corners.column);
-            let checked = prescribed.check(&corners.nodes, &case.time);
+            let checked = prescribed.check(&corners.nodes, &times);
             checked.map_err(|AtNode(_, error)| error)?;
-            Loads::inflow(case, &corners).check(&case.time)?;
+            Loads::inflow(case, &corners).check(&times)?;
         }
         let sides = Sides::choose(case, &column);
         let secondary = sides.iter().enumerate().flat_map(|(interface, side)| {

@@ -14,7 +14,7 @@
 //! 15, 2011), with the geometric mean K of the drained bulk modulus and the oedometric one: motions of
 //! the skeleton under a pressure lie between the two.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 use super::condensed;
@@ -78,8 +78,10 @@ pub struct Blocks {
     diagonal: f64,
     /// Owned displacement components.
     split: usize,
-    /// Whether any pressure is to be found.
+    /// Whether any pressure is not prescribed.
     is_coupled: bool,
+    /// Whether all pressures stay as they are, prescribed or not.
+    holds: Cell<bool>,
 }
 
 impl Blocks {
@@ -112,12 +114,22 @@ impl Blocks {
             diagonal,
             split,
             is_coupled,
+            holds: Cell::new(false),
         })
     }
 
-    /// Whether any pressure is to be found.
+    /// Whether any pressure is to be found. Local: the same on all ranks.
     pub fn is_coupled(&self) -> bool {
-        self.is_coupled
+        self.is_coupled && !self.holds.get()
+    }
+
+    /// Calls `act` with every owned pressure whose row is the identity. Local.
+    fn for_identity_rows(&self, act: impl FnMut(usize)) {
+        if self.holds.get() {
+            (0..self.pores.nodes.owned).for_each(act);
+        } else {
+            self.pores.for_identity_rows(act);
+        }
     }
 
     /// Sets up the tangent of the mechanical problem at the state that it evaluated last. Collective.
@@ -173,7 +185,7 @@ impl LinearOperator for Operator {
         let Self(blocks) = self;
         let ((xu, xp), (yu, yp)) = (x.split_at(blocks.split), y.split_at_mut(blocks.split));
         blocks.tangent.multiply(xu, yu);
-        if blocks.is_coupled {
+        if blocks.is_coupled() {
             let p = blocks.pressures(xp);
             blocks.add_forces(&p, -1.0, yu);
             let mut u = vec![0.0; blocks.tangent.unknowns_held()];
@@ -187,7 +199,7 @@ impl LinearOperator for Operator {
             blocks.pores.fold(&mut rows);
             yp.iter_mut().zip(&rows).for_each(|(y, row)| *y = -blocks.scale * row);
         }
-        blocks.pores.for_identity_rows(|node| yp[node] = blocks.diagonal * xp[node]);
+        blocks.for_identity_rows(|node| yp[node] = blocks.diagonal * xp[node]);
     }
 }
 
@@ -198,14 +210,14 @@ impl LinearOperator for Preconditioner {
     fn multiply(&self, r: &[f64], z: &mut [f64]) {
         let Self(blocks) = self;
         let ((ru, rp), (zu, zp)) = (r.split_at(blocks.split), z.split_at_mut(blocks.split));
-        if !blocks.is_coupled {
+        if !blocks.is_coupled() {
             blocks.mechanics.borrow_mut().apply(ru, zu);
             zp.iter_mut().zip(rp).for_each(|(z, r)| *z = r / blocks.diagonal);
             return;
         }
         blocks.flow.borrow_mut().apply(rp, zp);
         zp.iter_mut().for_each(|z| *z = -*z);
-        blocks.pores.for_identity_rows(|node| zp[node] = rp[node] / blocks.diagonal);
+        blocks.for_identity_rows(|node| zp[node] = rp[node] / blocks.diagonal);
         let mut force = ru.to_vec();
         blocks.add_forces(&blocks.pressures(zp), 1.0, &mut force);
         blocks.mechanics.borrow_mut().apply(&force, zu);
@@ -227,6 +239,11 @@ impl Coupling {
     /// Nothing is assembled yet.
     pub fn new(flow: Flow, blocks: Rc<Blocks>) -> Self {
         Self { flow, blocks, assembled: None, missing: 0.0 }
+    }
+
+    /// Whether the pressures stay as they are, and the mechanical problem alone is solved. Local.
+    pub fn hold_pressures(&self, holds: bool) {
+        self.blocks.holds.set(holds);
     }
 
     /// The operator and the preconditioner for PETSc.
@@ -254,6 +271,11 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         flow.add_forces(&all, &mut problem.pore_force);
         problem.residual(u, fu)?;
         let _phase = problem.timers.enter(Phase::Assembly);
+        if blocks.holds.get() {
+            fp.fill(0.0);
+            *missing = 0.0;
+            return Ok(());
+        }
         let state = (&problem.displacement[..], &problem.known_jumps[..]);
         *missing = flow.residual(problem.comm, &all, state, fp);
         Ok(())
@@ -263,6 +285,12 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         let (problem, coupling) = (&mut *self.problem, &mut *self.coupling);
         let mut change = coupling.blocks.set_mechanics(problem, x)?;
         let step = coupling.flow.step;
+        if coupling.blocks.holds.get() {
+            if change != TangentChange::Unchanged {
+                matrix.assemble()?;
+            }
+            return Ok(change);
+        }
         let state = (&problem.displacement[..], &coupling.flow.pressure[..]);
         let films = coupling.flow.space.films.linearise(&problem.all, state, &step);
         let differ = films != *coupling.blocks.films.borrow();
@@ -301,7 +329,7 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         let blocks = &self.coupling.blocks;
         let (gu, gp) = guess.split_at_mut(blocks.split);
         let (ru, rp) = rhs.split_at(blocks.split);
-        blocks.pores.for_identity_rows(|node| gp[node] = rp[node] / blocks.diagonal);
+        blocks.for_identity_rows(|node| gp[node] = rp[node] / blocks.diagonal);
         if !blocks.is_coupled {
             return self.problem.initial_guess(ru, gu);
         }

@@ -239,6 +239,11 @@ impl Flow {
         self.scales[0]
     }
 
+    /// Pressure of all local nodes at the last accepted state (Pa). Local.
+    pub fn accepted_pressure(&self) -> &[f64] {
+        &self.before
+    }
+
     /// Values of pressure nodes, the owned ones or none, at every owned displacement node that is a
     /// corner of a porous cell; 0 at others. Collective.
     pub fn at_corners(&self, all: &Discretization, values: &[f64]) -> Vec<f64> {

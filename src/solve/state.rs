@@ -25,6 +25,9 @@ pub struct StepState {
     /// negative: the second) and largest pressure (Pa).
     #[serde(default)]
     pub fluid: [f64; 7],
+    /// Whether the equilibrium at the start has been found (`initial.equilibrium`).
+    #[serde(default)]
+    pub has_begun: bool,
     /// 2-norm of the out-of-balance forces (N).
     pub residual_norm: f64,
     /// Largest nodal force scale (N) and displacement (m) of the accepted states.
@@ -140,7 +143,7 @@ impl Stepper<'_> {
             let flow = &coupling.flow;
             let none = Vec::new();
             let rate = flow.pace.as_ref().and_then(|pace| pace.rate.as_ref()).unwrap_or(&none);
-            [flow.at_corners(all, &flow.pressure), flow.at_corners(all, rate)]
+            [flow.at_corners(all, flow.accepted_pressure()), flow.at_corners(all, rate)]
         });
         let width = 2 * dim + if pressure.is_some() { 2 } else { 0 };
         let mut values = Vec::with_capacity(names.len() * width);
@@ -181,6 +184,7 @@ impl Stepper<'_> {
                 let largest = pace.map_or(0.0, |pace| pace.largest);
                 [fluid, inflow, outflow, stored, coupling.flow.accepted_scale(), next, largest]
             }),
+            has_begun: self.has_begun,
             residual_norm: problem.residual_norm,
             scales: problem.convergence.accepted_scales(),
             load_factor: problem.path.as_ref().map(|path| path.accepted_factor()),
@@ -222,7 +226,10 @@ impl Stepper<'_> {
             path.resume(factor);
         }
         self.x.write()?[..self.work.displacement.len()].copy_from_slice(&self.work.displacement);
-        self.resume_flow(nodal, step.fluid)?;
+        self.has_begun |= step.has_begun;
+        // Nothing acts on the undeformed state yet, whatever its pressures.
+        let acts = step.time > self.case.start || step.has_begun && self.starts_in_equilibrium();
+        self.resume_flow(nodal, step.fluid, acts)?;
         let [elastic, dissipated, external] = step.energy;
         self.energy = Energy { elastic, dissipated, external, fluid: step.fluid[0] };
         self.work.total = external;
@@ -236,9 +243,10 @@ impl Stepper<'_> {
         self.earlier = step;
         Ok(())
     }
+
     /// Goes on from the pressures among `nodal` rows in slabs; the displacements are those of `self.x`.
-    /// Collective.
-    fn resume_flow(&mut self, nodal: &Rows, fluid: [f64; 7]) -> Result<()> {
+    /// Whether the pressures have done work already is `acts`. Collective.
+    fn resume_flow(&mut self, nodal: &Rows, fluid: [f64; 7], acts: bool) -> Result<()> {
         let Some(coupling) = &mut self.coupling else { return Ok(()) };
         let problem = &mut self.problem;
         let (comm, all) = (problem.comm, Rc::clone(&problem.all));
@@ -265,12 +273,14 @@ impl Stepper<'_> {
         for (x, p) in self.x.write()?[displacements..].iter_mut().zip(&pressures) {
             *x = p / flow.scale;
         }
-        let mut force = vec![0.0; all.nodes.len() * all.dim];
-        flow.add_forces(&all, &mut force);
-        all.nodes.add_to_owners(&mut force, all.dim);
-        force.truncate(displacements);
-        self.work.pore_force = force;
         self.work.of_fluid = work;
+        if acts {
+            let mut force = vec![0.0; all.nodes.len() * all.dim];
+            flow.add_forces(&all, &mut force);
+            all.nodes.add_to_owners(&mut force, all.dim);
+            force.truncate(displacements);
+            self.work.pore_force = force;
+        }
         Ok(())
     }
 }

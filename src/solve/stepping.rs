@@ -3,6 +3,7 @@
 mod along_path;
 mod branching;
 mod descent;
+mod start;
 mod words;
 
 pub use branching::Bifurcation;
@@ -73,6 +74,8 @@ pub struct Stepper<'a> {
     pub(super) energy: Energy,
     /// What it took since the last instant.
     pub(super) since_instant: Accepted,
+    /// Whether the equilibrium at the start has been found.
+    pub(super) has_begun: bool,
     /// What an earlier run left behind.
     pub earlier: StepState,
     /// How long the longest accepted step took.
@@ -114,6 +117,7 @@ impl<'a> Stepper<'a> {
             step: f64::INFINITY,
             energy,
             since_instant: Accepted::default(),
+            has_begun: false,
             earlier: StepState::default(),
             longest: Duration::ZERO,
         }
@@ -128,6 +132,13 @@ impl<'a> Stepper<'a> {
     /// formula gives no finite number.
     pub fn advance(&mut self, instant: f64) -> Result<Accepted> {
         let mut total = std::mem::take(&mut self.since_instant);
+        if self.starts_in_equilibrium() && !self.has_begun {
+            let begun = self.begin_in_equilibrium(&mut total);
+            if begun.is_err() {
+                self.since_instant = total;
+                begun?;
+            }
+        }
         while self.time < instant {
             let passed = self.breakpoints.partition_point(|time| *time <= self.time);
             let next = self.breakpoints.get(passed).map_or(instant, |time| time.min(instant));
@@ -261,7 +272,9 @@ impl<'a> Stepper<'a> {
             if let Some(coupling) = &mut self.coupling {
                 coupling.flow.start_step(self.problem.comm, self.time, target)?;
             }
-            let written = self.write_prescribed(target);
+            let written = self.write_displacements(target);
+            self.problem.comm.agree(written)?;
+            let written = self.write_pressures(target);
             self.problem.comm.agree(written)?;
             self.solve()?
         };
@@ -302,7 +315,7 @@ impl<'a> Stepper<'a> {
         self.snes.solve(&mut SaddleSystem { problem, form }, &mut self.x)
     }
 
-    fn write_prescribed(&mut self, time: f64) -> Result<()> {
+    fn write_displacements(&mut self, time: f64) -> Result<()> {
         let mut x = self.x.write()?;
         self.problem.all.for_prescribed(|node, component| {
             let name = self.problem.all.nodes.names[node];
@@ -310,12 +323,13 @@ impl<'a> Stepper<'a> {
             let value = |entry| self.prescribed.value(entry, component, name, time);
             x[node * self.problem.all.dim + component] = entry.map_or(Ok(0.0), value)?;
             Ok(())
-        })?;
+        })
+    }
+
+    fn write_pressures(&mut self, time: f64) -> Result<()> {
+        let Some(Coupling { flow, .. }) = &self.coupling else { return Ok(()) };
         let displacements = self.problem.all.nodes.owned * self.problem.all.dim;
-        match &self.coupling {
-            Some(coupling) => coupling.flow.write_prescribed(time, &mut x[displacements..]),
-            None => Ok(()),
-        }
+        flow.write_prescribed(time, &mut self.x.write()?[displacements..])
     }
 
     fn accept(&mut self, time: f64) {

@@ -120,7 +120,7 @@ fn wtnv147() {
 
 /// Fluid that is pressed into a cohesive interface opens it and flows into porous rock of two kinds, with
 /// gravity and a flux through one side.
-const DRIVEN: &str = "
+pub const DRIVEN: &str = "
 mesh: {column: {size: [1, 1, 4], bodies: [{cells: [2, 2, 4]}, {cells: [3, 3, 5]}]}}
 materials:
   sandstone:

@@ -5,16 +5,20 @@
 mod common;
 mod branches;
 mod energy;
+mod equilibrium;
 mod film;
 mod flow;
+mod flow_orders;
 mod fluid;
 #[path = "../common/faults.rs"]
 #[allow(dead_code)] // as above
 mod faults;
+mod grid;
 
 mod kills;
 mod locking;
 mod lorentz;
+mod mandel;
 mod manufactured;
 mod orders;
 mod patches;

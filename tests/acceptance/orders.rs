@@ -2,10 +2,9 @@
 
 #![allow(clippy::print_stdout)] // the figures, with --nocapture
 
-use std::path::Path;
+use column_hpc::element::{gauss, map_point, mapping};
 
-use column_hpc::element::{Shape, gauss, map_point, mapping};
-
+use crate::grid::{Grid, plane, read};
 use crate::lorentz;
 use crate::manufactured::{HEIGHT, Manufactured};
 use crate::scene::{Run, Scene};
@@ -47,45 +46,6 @@ impl Exact for Lorentz {
     fn traction(&self, point: [f64; 3]) -> [f64; 3] {
         lorentz::traction(point)
     }
-}
-
-/// A grid of a field file.
-struct Grid {
-    points: Vec<[f64; 3]>,
-    cells: Vec<(Shape, Vec<usize>)>,
-    values: Vec<[f64; 3]>,
-}
-
-fn rows(dataset: &hdf5::Dataset) -> Vec<[f64; 3]> {
-    dataset.read_raw::<f64>().expect("numbers").as_chunks::<3>().0.to_vec()
-}
-
-fn read(path: &Path, array: &str) -> Grid {
-    let file = hdf5::File::open(path).expect("a field file");
-    let group = file.group("VTKHDF").expect("the group of the format");
-    let list = |name: &str| group.dataset(name).expect(name).read_raw::<i64>().expect("numbers");
-    let (connectivity, offsets) = (list("Connectivity"), list("Offsets"));
-    let types = group.dataset("Types").expect("Types").read_raw::<u8>().expect("numbers");
-    let shape = |number: u8| match number {
-        3 => Shape::Line2,
-        9 => Shape::Quad4,
-        12 => Shape::Hex8,
-        21 => Shape::Line3,
-        28 => Shape::Quad9,
-        29 => Shape::Hex27,
-        other => panic!("cells of type {other}"),
-    };
-    let nodes = |ends: &[i64]| {
-        connectivity[ends[0] as usize..ends[1] as usize].iter().map(|n| *n as usize).collect()
-    };
-    let cells = offsets.windows(2).zip(types).map(|(ends, t)| (shape(t), nodes(ends))).collect();
-    let values = group.dataset(&format!("PointData/{array}")).expect(array);
-    Grid { points: rows(&group.dataset("Points").expect("Points")), cells, values: rows(&values) }
-}
-
-/// Components that a 2D or 3D cell has.
-fn plane<const DIM: usize>(x: [f64; 3]) -> [f64; DIM] {
-    std::array::from_fn(|i| if DIM == 2 && i == 1 { x[2] } else { x[i] })
 }
 
 /// Squares of error and exact values: displacement, energy.

@@ -18,6 +18,13 @@ fn flow_is_computed_where_a_pressure_is_not_known_beforehand() {
     let last = ["energy.external", "energy.fluid", "mass.in", "mass.out", "mass.stored"];
     assert_eq!(columns[columns.len() - 5..], last);
 
+    assert!(!flow.equilibrium);
+    assert_eq!(case.load_times(), case.time);
+    let balanced = good(&[POROUS, "initial.equilibrium=true"]);
+    assert!(balanced.flow.as_ref().expect("flow").equilibrium);
+    // Loads and prescribed displacements have to be sound there too.
+    assert_eq!(balanced.load_times()[..2], [balanced.start, balanced.time[0]]);
+
     let known = [POROUS, "boundary.2={on: all, pressure: 0}"];
     assert_eq!(good(&known).physics, PhysicsDecision::Mechanics);
     let asked = good(&[known[0], known[1], "physics=hydro_mechanics", "time.theta=0.5"]);
@@ -60,6 +67,11 @@ fn mistakes_of_flow_are_told() {
         (
             vec!["interfaces.0.fluid={pressure: 1.0e7, connected: true}"],
             "acts on pores, but no material is porous",
+        ),
+        (vec!["initial.equilibrium=true"], "needs a pore pressure that is computed"),
+        (
+            vec![POROUS, "physics=mechanics", "initial.equilibrium=true"],
+            "needs a pore pressure that is computed",
         ),
         (vec!["physics=hydro_mechanics"], "hydro_mechanics needs a material with porous data"),
         (vec!["gravity=[0, 0, -9.81]"], "gravity acts on the density that stands there"),

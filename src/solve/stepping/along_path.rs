@@ -23,7 +23,7 @@ impl Stepper<'_> {
         let load_time = path.load_time(target);
         let mut unit = self.x.duplicate()?;
         std::mem::swap(&mut unit, &mut self.x);
-        let written = self.write_prescribed(load_time);
+        let written = self.write_displacements(load_time);
         std::mem::swap(&mut unit, &mut self.x);
         self.problem.comm.agree(written)?;
         path.unit_displacement = self.prescribed_part(&unit)?;
