@@ -202,3 +202,76 @@ fn an_injection_goes_on_on_other_ranks() {
     assert_eq!(resumed.status.code(), Some(0), "{words}");
     assert_close(&whole, &Scene::left_in(&directory, "2 to 3 ranks".into()), 1e-8);
 }
+
+/// Where branches change at instants, the work of the fluid is what is stored and dissipated; inside a step its
+/// trapezoids cut the corner between sticking and softening.
+#[test]
+fn the_energy_of_an_injection_balances() {
+    let scene = Scene::new(
+        "energy",
+        "
+mesh: {column: {size: [1, 4], bodies: [{cells: [2, 3]}, {cells: [3, 4]}]}}
+materials:
+  rock:
+    elastic: {young_modulus: 2.0e10, poisson_ratio: 0}
+    porous: {biot: 0.6, porosity: 0.1, permeability: 1.0e-16, viscosity: 1.0e-3,
+             fluid_compressibility: 4.5e-10, fluid_density: 1000, density: 2500}
+interfaces:
+  - name: joint
+    z: 2
+    law: {linear_softening: {strength: 1.0e6, fracture_energy: 500}}
+    fluid: {injection: 0.01}
+boundary:
+  - {on: bottom, displacement: {x: 0, z: 0}}
+  - {on: top, displacement: {x: 0, z: 0}}
+  - {on: left, displacement: {x: 0}}
+  - {on: right, displacement: {x: 0}}
+time: {instants: [1]}
+solver: {tolerance: 1.0e-11}
+output: {fields: none}
+",
+    );
+    // When the strength is reached, by secants over an interface that holds.
+    let strong = scene.set("interfaces.0.law.linear_softening.strength=1.0e9");
+    let traction = |time: f64| {
+        let run = strong.set(&format!("time.instants=[{time:?}]")).on(1);
+        last(&run, "joint.normal_traction.max") / 1e6 - 1.0
+    };
+    let (mut a, mut b) = (1.0, 2.0);
+    let (mut at_a, mut at_b) = (traction(a), traction(b));
+    for _ in 0..8 {
+        let next = b - at_b * (b - a) / (at_b - at_a);
+        (a, at_a, b) = (b, at_b, next);
+        at_b = traction(b);
+        if at_b.abs() < 1e-13 {
+            break;
+        }
+    }
+    assert!(at_b.abs() < 1e-11, "the strength is reached at {b} s: {at_b}");
+    let instants = format!("time.instants=[{b:?}, {}, {}]", b + 10.0, b + 30.0);
+    for ranks in [1, 2] {
+        let run = scene.set(&instants).on(ranks);
+        assert!(run.column("joint.damage.max")[0] < 1e-6);
+        assert!(last(&run, "joint.damage.min") > 0.1, "{}", run.label);
+        for i in 0..3 {
+            let [external, fluid, elastic, dissipated] =
+                ["external", "fluid", "elastic", "dissipated"]
+                    .map(|name| run.column(&format!("energy.{name}"))[i]);
+            let gap = external + fluid - elastic - dissipated;
+            println!("{}: gap {gap:e} of {fluid:e} J", run.label);
+            assert!(gap.abs() <= 1e-10 * fluid, "{}: {gap} of {fluid}", run.label);
+        }
+    }
+    // Over the corner the gap falls with the square of the steps.
+    let gap = |steps: usize| {
+        let times: Vec<String> =
+            (1..=steps).map(|i| format!("{}", 20.0 * i as f64 / steps as f64)).collect();
+        let run = scene.set(&format!("time.instants=[{}]", times.join(", "))).on(1);
+        let given = last(&run, "energy.external") + last(&run, "energy.fluid");
+        let kept = last(&run, "energy.elastic") + last(&run, "energy.dissipated");
+        (given - kept).abs() / kept
+    };
+    let gaps = [4, 16, 64].map(gap);
+    println!("gaps with 4, 16, 64 steps: {gaps:?}");
+    assert!(gaps[2] < 1e-3 && gaps[2] < 0.3 * gaps[0], "{gaps:?}");
+}
