@@ -11,5 +11,5 @@ pub use elastic::{Elastic, SplitForm, Stiffness};
 pub use loads::Loads;
 pub use modal::{MODES, Modal, couples, partner};
 pub use parity::{Block, MOST_ROWS, Parity, lattice_places};
-pub use porous::PorousMedium;
+pub use porous::{PorousMedium, exp_m1_on_its_tangent};
 pub use porous_cell::{FlowStep, MAX_CORNERS, PorousCell};

@@ -7,6 +7,12 @@
 use super::Elastic;
 use crate::case::{Material, Porous};
 
+/// exp(x) - 1, which beyond x = 1 goes on along its tangent: no fluid is pressed to its bulk modulus, but an
+/// iterate of Newton's method may be, and has to stay finite.
+pub fn exp_m1_on_its_tangent(x: f64) -> f64 {
+    if x > 1.0 { std::f64::consts::E * x - 1.0 } else { x.exp_m1() }
+}
+
 /// The constants of one material.
 #[derive(Debug, Clone, Copy)]
 pub struct PorousMedium {
@@ -54,18 +60,18 @@ impl PorousMedium {
 
     /// phi - phi_0, without cancellation.
     fn widening(&self, strain: f64, pressure: f64) -> f64 {
-        -(self.biot - self.porosity) * (-strain - pressure * self.grains).exp_m1()
+        -(self.biot - self.porosity) * exp_m1_on_its_tangent(-strain - pressure * self.grains)
     }
 
     /// rho / rho_0 = exp(p/K_w).
     pub fn density_ratio(&self, pressure: f64) -> f64 {
-        (pressure * self.fluid).exp()
+        1.0 + exp_m1_on_its_tangent(pressure * self.fluid)
     }
 
     /// The fluid in a volume that was 1 when undeformed, beyond what it held then, over the reference
     /// density: the change of rho phi (1 + eps) at volumetric strain and pressure, without cancellation.
     pub fn content(&self, strain: f64, pressure: f64) -> f64 {
-        let denser = (pressure * self.fluid).exp_m1();
+        let denser = exp_m1_on_its_tangent(pressure * self.fluid);
         let wider = self.widening(strain, pressure);
         let grown = denser + strain + denser * strain;
         (1.0 + denser) * (1.0 + strain) * wider + self.porosity * grown

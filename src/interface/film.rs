@@ -4,6 +4,7 @@
 //! is rho w^3/(12 mu) times the slope of the pressure (P. Witherspoon et al., Water Resour. Res. 16,
 //! 1980). Pressures are those above the reference; masses are divided by the density of the fluid there.
 
+use crate::bulk::exp_m1_on_its_tangent;
 use crate::element::{Shape, gauss};
 
 /// Corners of the largest facet.
@@ -27,7 +28,7 @@ pub struct Fluid {
 impl Fluid {
     /// rho / rho_0 = exp(p/K_w).
     pub fn density_ratio(&self, pressure: f64) -> f64 {
-        (self.compressibility * pressure).exp()
+        1.0 + exp_m1_on_its_tangent(self.compressibility * pressure)
     }
 
     /// w^3/(12 mu), 0 where the lips touch, and its derivative by the opening w.

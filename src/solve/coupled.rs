@@ -34,6 +34,10 @@ use crate::timers::Phase;
 /// steps add up in the accounts.
 const STRICTER: f64 = 100.0;
 
+/// Part by which one correction may change the density of a fluid that flows along an interface. Between
+/// lips that still hold nothing bounds the pressure but what the rock stores.
+const MOST_DENSER: f64 = 0.1;
+
 /// A block of the preconditioner: a solver that is only asked for its preconditioner.
 struct Block {
     solver: Snes,
@@ -320,7 +324,14 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         if !blocks.is_coupled {
             problem.keep(u);
         }
-        let part = problem.convergence.part_of_step;
+        let mut part = problem.convergence.part_of_step;
+        if let Some(fluid) = &blocks.pores.films.fluid {
+            let pressures = correction[blocks.split..].iter();
+            let mut largest = [pressures.fold(0.0_f64, |m, p| m.max(p.abs()))];
+            problem.comm.max(&mut largest);
+            let denser = fluid.compressibility * blocks.scale * largest[0];
+            part *= (MOST_DENSER / denser).min(1.0);
+        }
         correction.iter_mut().for_each(|c| *c *= part);
         Ok(())
     }

@@ -116,6 +116,9 @@ pub struct InterfaceState {
     pub lean: f64,
     /// On the way from an unstable state to a stable one.
     pub damping: Option<Damping>,
+    /// Whether what holds has to soften in one state of Newton's method before it breaks in another: where
+    /// a volume of fluid opens an interface, the first correction from sticking overshoots without bound.
+    pub is_gradual: bool,
 }
 
 impl InterfaceState {
@@ -134,7 +137,17 @@ impl InterfaceState {
         };
         let (committed, dissipated) = (vec![0.0; owned], vec![0.0; owned]);
         let response = vec![rest; owned];
-        Self { dim, laws, factors, committed, dissipated, response, lean: 1.0, damping: None }
+        Self {
+            dim,
+            laws,
+            factors,
+            committed,
+            dissipated,
+            response,
+            lean: 1.0,
+            damping: None,
+            is_gradual: false,
+        }
     }
 
     /// The law at the secondary node of an index, which `rows` belong to. Local.
@@ -172,11 +185,23 @@ impl InterfaceState {
             };
             // The law's own part of the traction is without d (w - from): its p, made with r + d, is
             // t + r w + d from.
-            let p = std::array::from_fn(|c| {
+            let p: [f64; 3] = std::array::from_fn(|c| {
                 self.lean * (traction[c] + augmentation * jump[c]) + damping * from[c]
             });
-            let answer = law.respond(to_local(p, dim), damping, self.committed[index], dim);
-            self.response[index] = combine(rows, traction, jump, &answer, augmentation, dim);
+            let respond = |part: f64| {
+                let p = to_local(p.map(|p| part * p), dim);
+                law.respond(p, damping, self.committed[index], dim)
+            };
+            let (mut part, mut answer) = (1.0, respond(1.0));
+            if self.is_gradual && holds(self.response[index].branch) {
+                while is_broken(answer.branch) && part > LEAST_PART {
+                    part *= 0.5;
+                    answer = respond(part);
+                }
+            }
+            let less = p.map(|p| (part - 1.0) * p);
+            self.response[index] =
+                combine(rows, (traction, less), jump, &answer, augmentation, dim);
         }
     }
 
@@ -208,11 +233,22 @@ impl InterfaceState {
     }
 }
 
+/// How much smaller an augmented traction is taken at least, so that it does not break.
+const LEAST_PART: f64 = 1e-30;
+
+fn holds(branch: Branch) -> bool {
+    matches!(branch, Branch::Stick | Branch::StickClosed)
+}
+
+fn is_broken(branch: Branch) -> bool {
+    matches!(branch, Branch::Broken | Branch::BrokenClosed)
+}
+
 /// Puts the law's answer into displacement components; components without a multiplier take no
-/// part.
+/// part. The law answered to a traction that was `less` than that of the bulk (Pa).
 fn combine(
     rows: &JumpRows<u32>,
-    traction: [f64; 3],
+    (traction, less): ([f64; 3], [f64; 3]),
     jump: [f64; 3],
     answer: &Response,
     augmentation: f64,
@@ -239,7 +275,7 @@ fn combine(
                 .filter(|d| !state.stuck[*d])
                 .map(|d| state.tangent[c][d] * defect[d])
                 .sum();
-            law_traction[c] += change + augmentation * defect[c];
+            law_traction[c] += less[c] + change + augmentation * defect[c];
         }
     }
     NodeResponse {

@@ -78,7 +78,8 @@ pub fn build<'a>(
     let owned = all.secondary[..all.owned_secondary()].iter();
     let named = owned.map(|rows| (rows.interface, all.nodes.names[rows.node as usize]));
     let factors = AtNode::agree(comm, strength_factors(case, &mesh.column, named))?;
-    let interfaces = InterfaceState::new(dim, laws, factors);
+    let mut interfaces = InterfaceState::new(dim, laws, factors);
+    interfaces.is_gradual = case.interfaces.iter().any(|i| i.film.is_some());
     let names = case.interfaces.iter().map(|i| i.name.clone()).collect();
     let solver = &case.solver;
     let tolerance = solver.tolerance * share_of_corners(&mesh.column);
