@@ -142,11 +142,14 @@ impl PorousCell {
         self.order == 1
     }
 
-    /// The shortest step (s) in which the pressure of the cell does not oscillate without being held
-    /// back: h^2/(6 theta c_v) (Vermeer, Verruijt, Int. J. Numer. Anal. Methods Geomech. 5, 1981).
-    pub fn shortest_step(&self, theta: f64) -> f64 {
-        let longest = self.size[..self.dim].iter().fold(0.0_f64, |m, h| m.max(*h));
-        longest * longest / (6.0 * theta * self.medium.consolidation())
+    /// The shortest steps (s) in which the pressure of the cell does not oscillate along its shortest edge
+    /// and along any, without being held back: h^2/(6 theta c_v) (Vermeer, Verruijt, Int. J. Numer. Anal.
+    /// Methods Geomech. 5, 1981).
+    pub fn shortest_steps(&self, theta: f64) -> [f64; 2] {
+        let edges = &self.size[..self.dim];
+        let shortest = edges.iter().fold(f64::INFINITY, |m, h| m.min(*h));
+        let longest = edges.iter().fold(0.0_f64, |m, h| m.max(*h));
+        [shortest, longest].map(|h| h * h / (6.0 * theta * self.medium.consolidation()))
     }
 
     /// Adds to `rows` what is stored at the end of a step at each node's share, and what flows off in the
