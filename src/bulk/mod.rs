@@ -12,4 +12,4 @@ pub use loads::Loads;
 pub use modal::{MODES, Modal, couples, partner};
 pub use parity::{Block, MOST_ROWS, Parity, lattice_places};
 pub use porous::{PorousMedium, exp_m1_on_its_tangent};
-pub use porous_cell::{FlowStep, MAX_CORNERS, PorousCell};
+pub use porous_cell::{CANCELLED, FlowStep, MAX_CORNERS, PorousCell};

@@ -4,7 +4,7 @@
 //! is rho w^3/(12 mu) times the slope of the pressure (P. Witherspoon et al., Water Resour. Res. 16,
 //! 1980). Pressures are those above the reference; masses are divided by the density of the fluid there.
 
-use crate::bulk::exp_m1_on_its_tangent;
+use crate::bulk::{CANCELLED, exp_m1_on_its_tangent};
 use crate::element::{Shape, gauss};
 
 /// Corners of the largest facet.
@@ -118,8 +118,8 @@ impl Film {
         }
     }
 
-    /// Adds to `rows` what flows off each corner in the time `length`, and the magnitudes to `sizes`
-    /// (m3; 2D: m2).
+    /// Adds to `rows` what flows off each corner in the time `length`, and the magnitudes to `sizes`, with
+    /// [`CANCELLED`] (m3; 2D: m2).
     pub fn add_flow(
         &self,
         fluid: &Fluid,
@@ -130,10 +130,13 @@ impl Film {
     ) {
         self.each(fluid, state, |q, opening, ratio, drive| {
             let factor = length * q.area * ratio * fluid.transmissivity(opening)[0];
+            let steepness = |g: &[f64; 2]| g[0].abs() + g[1].abs();
+            let alone = q.slopes.iter().zip(state.pressure).map(|(g, p)| steepness(g) * p.abs());
+            let cancelled = CANCELLED * factor * alone.sum::<f64>();
             for ((row, size), g) in rows.iter_mut().zip(sizes.iter_mut()).zip(&q.slopes) {
                 let off = factor * (g[0] * drive[0] + g[1] * drive[1]);
                 *row += off;
-                *size += off.abs();
+                *size += off.abs() + cancelled * steepness(g);
             }
         });
     }

@@ -42,7 +42,8 @@ const MULTIGRID: &[(&str, &str)] = &[
     ("pc_hypre_boomeramg_strong_threshold", "0.5"),
 ];
 
-/// The first step after a jump of the load is so much of the shortest one that does not oscillate.
+/// The first step after a jump of the load is so much of the shortest one that does not oscillate along the
+/// shortest edge of a cell.
 const FIRST: f64 = 0.01;
 
 /// Few pressures are eliminated.
@@ -98,10 +99,10 @@ pub fn couple(
     let mut bounds = [0.0_f64; 3];
     let mut shortest = f64::INFINITY;
     for cell in &space.prototypes {
-        let bound = cell.shortest_step(flow.theta);
+        let [least, bound] = cell.shortest_steps(flow.theta);
         let of = if cell.is_held_back() { 0 } else { 1 };
         bounds[of] = bounds[of].max(bound);
-        shortest = shortest.min(bound);
+        shortest = shortest.min(least);
     }
     bounds[2] = -shortest;
     comm.max(&mut bounds);

@@ -16,7 +16,7 @@ boundary:
   - {on: left, displacement: {x: 0}}
   - {on: right, displacement: {x: 0}}
 initial: {pressure: 1.0e6, equilibrium: true}
-time: {instants: [0.01, 100]}
+time: {instants: [0.01, 1.0e6]}
 probes: [{name: top, at: [1, 10]}]
 ";
 

@@ -4,6 +4,7 @@
 #[allow(dead_code)] // this program uses a part of it
 mod common;
 mod branches;
+mod diffusion;
 mod energy;
 mod equilibrium;
 mod film;

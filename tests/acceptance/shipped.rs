@@ -39,6 +39,11 @@ fn fluid_pressure() {
 }
 
 #[test]
+fn injection() {
+    check("injection/case.yaml", 18);
+}
+
+#[test]
 fn laws() {
     check("laws/bilinear.yaml", 20);
     check("laws/exponential_softening.yaml", 15);
