@@ -12,6 +12,7 @@ mod saddle;
 mod second_order;
 mod sweep;
 mod tangent;
+mod whole;
 
 pub use cells::{CellSet, Cells};
 pub use operator::TangentOperator;
@@ -19,6 +20,7 @@ pub use pattern::Pattern;
 pub use pores::{PoreCell, PoreSpace};
 pub use saddle::{LawDerivative, SaddleTangent};
 pub use tangent::{NodeState, Tangent};
+pub use whole::{WholeMatrix, WholeValues};
 
 use crate::interface::JumpRows;
 use crate::space::{Nodes, Prescribed};

@@ -205,6 +205,13 @@ impl PoreSpace {
         (0..self.nodes.owned).filter(|node| self.prescribed[*node]).for_each(act);
     }
 
+    /// Whether any pressure of any rank is to be found. Collective.
+    pub fn has_unknowns(&self, comm: &Comm) -> bool {
+        let mut known = 0;
+        self.for_identity_rows(|_| known += 1);
+        comm.any(known < self.nodes.owned)
+    }
+
     /// Number of a local node among all; -1, which PETSc passes over, where the pressure is prescribed.
     fn number(&self, node: u32) -> i32 {
         if self.prescribed[node as usize] { -1 } else { self.nodes.numbers[node as usize] }

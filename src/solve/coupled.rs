@@ -12,7 +12,8 @@
 //! block triangular preconditioner: that of the mechanical problem for A, and multigrid for the
 //! fixed-stress approximation of the Schur complement, C + b^2/K M (J. White, R. Borja, Comput. Geosci.
 //! 15, 2011), with the geometric mean K of the drained bulk modulus and the oedometric one: motions of
-//! the skeleton under a pressure lie between the two.
+//! the skeleton under a pressure lie between the two. With `solver.linear: mumps` the whole matrix is
+//! eliminated instead.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -20,7 +21,8 @@ use std::rc::Rc;
 use super::condensed;
 use super::flow::Flow;
 use super::problem::Problem;
-use crate::assembly::{PoreSpace, TangentOperator};
+use super::whole::Whole;
+use crate::assembly::{NodeState, PoreSpace, TangentOperator, WholeValues};
 use crate::bulk::{FlowStep, PorousCell};
 use crate::comm::Comm;
 use crate::error::Result;
@@ -35,21 +37,21 @@ use crate::timers::Phase;
 const STRICTER: f64 = 100.0;
 
 /// A block of the preconditioner: a solver that is only asked for its preconditioner.
-struct Block {
-    solver: Snes,
+pub struct Block {
+    pub(super) solver: Snes,
     from: Vector,
     to: Vector,
 }
 
 impl Block {
-    fn new(petsc: &Petsc, solver: Snes) -> Result<Self> {
+    pub(super) fn new(petsc: &Petsc, solver: Snes) -> Result<Self> {
         let (rows, width) = (solver.matrix().owned_rows(), solver.matrix().block_size());
         let (from, to) = (Vector::new(petsc, rows, width)?, Vector::new(petsc, rows, width)?);
         Ok(Self { solver, from, to })
     }
 
     /// z = the preconditioner times r; not numbers where PETSc fails, which ends the linear solve.
-    fn apply(&mut self, r: &[f64], z: &mut [f64]) {
+    pub(super) fn apply(&mut self, r: &[f64], z: &mut [f64]) {
         let mut work = || -> Result<()> {
             self.from.write()?.copy_from_slice(r);
             self.solver.apply_preconditioner(&self.from, &mut self.to)?;
@@ -62,10 +64,18 @@ impl Block {
     }
 }
 
+/// What preconditions the pressure beside the mechanical block.
+pub enum Beside {
+    /// The second block of a triangular preconditioner.
+    Flow(RefCell<Block>),
+    /// Factors of both fields, in place of the two blocks.
+    Whole(RefCell<Whole>),
+}
+
 /// The linear operator of both fields, with the parts of its preconditioner.
 pub struct Blocks {
     mechanics: RefCell<Block>,
-    flow: RefCell<Block>,
+    beside: Beside,
     tangent: Rc<TangentOperator>,
     pores: Rc<PoreSpace>,
     /// C of each prototype.
@@ -89,19 +99,17 @@ impl Blocks {
     pub fn new(
         comm: &Comm,
         petsc: &Petsc,
-        (mechanics, flow): (Snes, Snes),
+        (mechanics, beside): (Snes, Beside),
         tangent: Rc<TangentOperator>,
         pores: Rc<PoreSpace>,
         scale: f64,
     ) -> Result<Self> {
         let diagonal = tangent.identity_entry();
         let split = mechanics.matrix().owned_rows();
-        let mut known = 0;
-        pores.for_identity_rows(|_| known += 1);
-        let is_coupled = comm.any(known < pores.nodes.owned);
+        let is_coupled = pores.has_unknowns(comm);
         Ok(Self {
             mechanics: RefCell::new(Block::new(petsc, mechanics)?),
-            flow: RefCell::new(Block::new(petsc, flow)?),
+            beside,
             tangent,
             pores,
             compressibility: RefCell::default(),
@@ -123,7 +131,9 @@ impl Blocks {
         let change = problem.tangent(&x[..self.split], block.solver.matrix_mut())?;
         if change != TangentChange::Unchanged {
             self.tangent.set_state(problem.assembled_state());
-            block.solver.set_up(change)?;
+            if matches!(self.beside, Beside::Flow(_)) {
+                block.solver.set_up(change)?;
+            }
         }
         Ok(change)
     }
@@ -132,15 +142,30 @@ impl Blocks {
     fn set_flow(&self, comm: &Comm, step: &FlowStep) -> Result<()> {
         let like = self.pores.prototypes.iter().map(|cell| cell.compressibility(step));
         *self.compressibility.borrow_mut() = like.collect();
+        let Beside::Flow(flow) = &self.beside else { return Ok(()) };
         let with_yielding = |cell: &PorousCell| -> Vec<f64> {
             let parts = cell.compressibility(step).into_iter().zip(cell.yielding());
             parts.map(|(c, y)| c + y).collect()
         };
-        let block = &mut *self.flow.borrow_mut();
+        let block = &mut *flow.borrow_mut();
         let (square, matrix) = (self.scale * self.scale, block.solver.matrix_mut());
         self.pores.assemble(comm, with_yielding, (square, self.diagonal), matrix)?;
         block.solver.set_up(TangentChange::Changed)?;
         Ok(())
+    }
+
+    /// Eliminates both fields, where that is asked for; `state` is that of the tangent. Collective.
+    fn set_whole(&self, comm: &Comm, state: &[NodeState]) -> Result<()> {
+        let Beside::Whole(whole) = &self.beside else { return Ok(()) };
+        let values = WholeValues {
+            state,
+            compressibility: &self.compressibility.borrow(),
+            scale: self.scale,
+            diagonal: self.diagonal,
+        };
+        let spaces = (&**self.tangent.discretization(), &*self.pores);
+        let mechanics = self.mechanics.borrow();
+        whole.borrow_mut().set_up(comm, spaces, mechanics.solver.matrix(), &values)
     }
 
     /// Scaled pressures of owned nodes to pressures of all local ones. Collective.
@@ -190,13 +215,17 @@ struct Preconditioner(Rc<Blocks>);
 impl LinearOperator for Preconditioner {
     fn multiply(&self, r: &[f64], z: &mut [f64]) {
         let Self(blocks) = self;
+        let flow = match &blocks.beside {
+            Beside::Whole(whole) => return whole.borrow_mut().apply(r, z),
+            Beside::Flow(flow) => flow,
+        };
         let ((ru, rp), (zu, zp)) = (r.split_at(blocks.split), z.split_at_mut(blocks.split));
         if !blocks.is_coupled {
             blocks.mechanics.borrow_mut().apply(ru, zu);
             zp.iter_mut().zip(rp).for_each(|(z, r)| *z = r / blocks.diagonal);
             return;
         }
-        blocks.flow.borrow_mut().apply(rp, zp);
+        flow.borrow_mut().apply(rp, zp);
         zp.iter_mut().for_each(|z| *z = -*z);
         blocks.pores.for_identity_rows(|node| zp[node] = rp[node] / blocks.diagonal);
         let mut force = ru.to_vec();
@@ -256,7 +285,7 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         let (problem, coupling) = (&mut *self.problem, &mut *self.coupling);
         let mut change = coupling.blocks.set_mechanics(problem, x)?;
         let step = coupling.flow.step;
-        if coupling.assembled != Some(step) {
+        if !coupling.assembled.is_some_and(|assembled| assembled.serves(&step)) {
             let _phase = problem.timers.enter(Phase::Assembly);
             coupling.blocks.set_flow(problem.comm, &step)?;
             coupling.assembled = Some(step);
@@ -264,6 +293,9 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         }
         if change != TangentChange::Unchanged {
             matrix.assemble()?;
+        }
+        if change == TangentChange::Changed {
+            coupling.blocks.set_whole(problem.comm, problem.assembled_state())?;
         }
         Ok(change)
     }

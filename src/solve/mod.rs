@@ -21,6 +21,7 @@ mod setup;
 mod stability;
 mod state;
 mod stepping;
+mod whole;
 
 pub use coupled::Coupling;
 pub use energy::Energy;

@@ -103,7 +103,9 @@ pub fn build<'a>(
             TangentForm::Levels(hierarchy) => Rc::clone(hierarchy.finest()),
             _ => Rc::new(TangentOperator::new(Rc::clone(&all), diagonal)),
         };
-        let coupled = couple(runtime, case, flow, (&mesh, &all), (snes, tangent))?;
+        let eliminate = (choice.preset == "mumps").then(|| KspSetup::new(&choice.options));
+        let solver = (snes, tangent);
+        let coupled = couple(runtime, case, flow, (&mesh, &all), solver, eliminate.as_ref())?;
         (snes, rows, width) = (coupled.0, coupled.2, 1);
         coupling = Some(coupled.1);
     }

@@ -235,6 +235,29 @@ fn linear_iterations_do_not_depend_on_the_mesh() {
     sweep(2, &[4, 8], [6.0, 18.0]);
 }
 
+/// Elimination takes both fields together: what it leaves out depends on the state and is small. Also
+/// where an interface opens, on any number of ranks.
+#[test]
+fn elimination_takes_both_fields_together() {
+    for (order, step) in [(1, "1.0e-6"), (2, "1.0e-6"), (1, "1"), (2, "1.0e8")] {
+        let scene = Scene::new("cube", CUBE)
+            .set("solver.linear=mumps")
+            .set(&format!("mesh.order={order}"))
+            .set("mesh.column.cells=[4, 4, 4]")
+            .set(&format!("time.instants=[{step}]"));
+        let run = scene.on(order);
+        assert_eq!(last(&run, "linear_iterations"), last(&run, "newton_iterations"));
+    }
+    let scene = Scene::new("driven", DRIVEN).in_any_steps();
+    for (order, ranks) in [(1, 1), (2, 2), (1, 3)] {
+        let run = scene.set(&format!("mesh.order={order}")).scattered().on(ranks);
+        let [linear, newton] = ["linear_iterations", "newton_iterations"]
+            .map(|name| run.column(name).iter().sum::<f64>());
+        println!("order {order} on {ranks} ranks: {linear} iterations in {newton} corrections");
+        assert!(linear <= 2.0 * newton, "{}: {linear} in {newton}", run.label);
+    }
+}
+
 /// Half a minute.
 #[test]
 #[ignore = "the same on finer meshes"]
