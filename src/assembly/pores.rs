@@ -7,6 +7,7 @@ use super::Discretization;
 use super::pattern::{count_blocks, merge_to_owners};
 use crate::bulk::{FlowStep, MAX_CORNERS, PorousCell};
 use crate::comm::Comm;
+use crate::element::Shape;
 use crate::error::Result;
 use crate::petsc::Matrix;
 use crate::space::Nodes;
@@ -185,6 +186,29 @@ impl PoreSpace {
         let like = &self.prototypes[cell.prototype as usize];
         let p = self.pressures(cell, p, like.medium.reference);
         like.at_centre(&of_cell, &p, gravity)
+    }
+
+    /// Pressures of all local nodes at every owned displacement node of porous cells (Pa), linear between
+    /// the corners of a cell; 0 at others. Collective.
+    pub fn at_nodes(&self, all: &Discretization, pressure: &[f64]) -> Vec<f64> {
+        // Value and number of ranks that know it.
+        let mut at = vec![[0.0; 2]; all.nodes.len()];
+        for cell in &self.cells {
+            let nodes = all.cells.nodes(cell.cell as usize);
+            let order = if nodes.len() > 1 << all.dim { 2 } else { 1 };
+            let shape = Shape::of(all.dim, order);
+            for (node, xi) in nodes.iter().zip(shape.node_points()) {
+                let mut values = [0.0; MAX_CORNERS];
+                shape.corners().values(*xi, &mut values);
+                let corners = cell.nodes.iter().zip(&values);
+                let p = corners.map(|(n, v)| v * pressure[*n as usize]).sum();
+                at[*node as usize] = [p, 1.0];
+            }
+        }
+        let mut packed: Vec<f64> = at.into_iter().flatten().collect();
+        all.nodes.add_to_owners(&mut packed, 2);
+        let owned = packed.chunks_exact(2).take(all.nodes.owned);
+        owned.map(|at| at[0] / at[1].max(1.0)).collect()
     }
 
     /// Turns owned pressures into those of all local nodes, zero where prescribed. Collective.

@@ -49,7 +49,8 @@ impl Checker<'_> {
         let (time, start) = self.time(&file);
         self.solver(&file.solver);
         let (control, time, start) = self.control(&file, &interfaces, (time, start));
-        let (physics, flow) = self.physics(&file, &materials, &interfaces, &boundary);
+        let (physics, flow, pressure_is_load) =
+            self.physics(&file, &materials, &interfaces, &boundary);
         if self.sound(&["mesh", "materials", "interfaces"]) {
             self.cells(&file, &mesh, &materials, &interfaces);
         }
@@ -84,6 +85,7 @@ impl Checker<'_> {
             imperfections,
             physics,
             flow,
+            pressure_is_load,
             time,
             start,
             control,

@@ -5,6 +5,7 @@ use std::rc::Rc;
 
 use super::coupled::{Beside, Block, Blocks, Coupling};
 use super::flow::Flow;
+use super::known_pressure::KnownPressure;
 use super::pace::Pace;
 use super::whole::Whole;
 use crate::assembly::{Discretization, PoreCell, PoreSpace, TangentOperator, WholeMatrix};
@@ -133,6 +134,20 @@ pub fn couple(
         initial,
     );
     Ok((snes, Coupling::new(flow, blocks), rows))
+}
+
+/// The pressure that is a load, where there is one. Collective.
+///
+/// # Errors
+/// As [`KnownPressure::new`].
+pub fn known_pressure(comm: &Comm, case: &Case, mesh: &LocalMesh) -> Result<Option<KnownPressure>> {
+    if !case.pressure_is_load {
+        return Ok(None);
+    }
+    let corners = LocalMesh::new(&mesh.column.of_first_order(), mesh.cells.clone(), 0);
+    let prescribed = PrescribedPressure::new(case, &corners.column);
+    let space = pore_space(comm, case, mesh, &corners, &prescribed)?;
+    KnownPressure::new(comm, space, prescribed, &case.load_times()).map(Some)
 }
 
 /// Nodes and cells of the pressure; `corners` is the mesh with cells of first order. Collective.

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use super::convergence::Convergence;
 use super::coupled::Coupling;
-use super::flow_setup::{MECHANICS, couple};
+use super::flow_setup::{MECHANICS, couple, known_pressure};
 use super::imperfection::strength_factors;
 use super::interfaces::{InterfaceState, JointLaw};
 use super::linear::{LinearChoice, LinearTarget, MULTIGRID};
@@ -96,6 +96,7 @@ pub fn build<'a>(
     }
     let system = system(runtime, case, &choice, &mesh, &all, levels)?;
     let System { mut snes, form, diagonal, saddle, mut rows } = system;
+    let known_pressure = known_pressure(comm, case, &mesh)?;
     let mut coupling = None;
     let mut width = dim;
     if let Some(flow) = &case.flow {
@@ -118,6 +119,7 @@ pub fn build<'a>(
     let form = (form, diagonal);
     let mut problem = Problem::new(comm, timers, all, loads, interfaces, form, convergence, target);
     let path = |control: &Control| PathControl::new(control.clone(), control.words(case));
+    problem.known_pressure = known_pressure;
     problem.path = case.control.as_ref().map(path);
     let stepper = Stepper::new(case, problem, snes, (saddle, coupling), x, prescribed);
     let pressures = stepper.coupling.as_ref().map_or(0, |c| c.flow.space.nodes.total);

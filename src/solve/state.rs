@@ -172,15 +172,18 @@ impl Stepper<'_> {
             time: self.time,
             step: self.step.is_finite().then_some(self.step),
             energy: [elastic, dissipated, external],
-            fluid: self.coupling.as_ref().map_or([0.0; 7], |coupling| {
-                let FluidBalance { inflow, outflow, stored } = coupling.flow.balance;
-                let pace = coupling.flow.pace.as_ref();
-                let next = pace
-                    .filter(|pace| !pace.is_jump)
-                    .map_or(0.0, |pace| if pace.rate.is_some() { pace.next } else { -pace.next });
-                let largest = pace.map_or(0.0, |pace| pace.largest);
-                [fluid, inflow, outflow, stored, coupling.flow.accepted_scale(), next, largest]
-            }),
+            fluid: self.coupling.as_ref().map_or(
+                [fluid, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+                |coupling| {
+                    let FluidBalance { inflow, outflow, stored } = coupling.flow.balance;
+                    let pace = coupling.flow.pace.as_ref();
+                    let next = pace.filter(|pace| !pace.is_jump).map_or(0.0, |pace| {
+                        if pace.rate.is_some() { pace.next } else { -pace.next }
+                    });
+                    let largest = pace.map_or(0.0, |pace| pace.largest);
+                    [fluid, inflow, outflow, stored, coupling.flow.accepted_scale(), next, largest]
+                },
+            ),
             residual_norm: problem.residual_norm,
             scales: problem.convergence.accepted_scales(),
             load_factor: problem.path.as_ref().map(|path| path.accepted_factor()),
@@ -223,6 +226,7 @@ impl Stepper<'_> {
         }
         self.x.write()?[..self.work.displacement.len()].copy_from_slice(&self.work.displacement);
         self.resume_flow(nodal, step.fluid)?;
+        self.resume_load(step.time, step.fluid[0])?;
         let [elastic, dissipated, external] = step.energy;
         self.energy = Energy { elastic, dissipated, external, fluid: step.fluid[0] };
         self.work.total = external;
@@ -236,6 +240,19 @@ impl Stepper<'_> {
         self.earlier = step;
         Ok(())
     }
+
+    /// Goes on with a pressure that is a load, from the work it has done. Collective.
+    fn resume_load(&mut self, time: f64, work: f64) -> Result<()> {
+        let problem = &mut self.problem;
+        let Some(known) = &mut problem.known_pressure else { return Ok(()) };
+        problem.comm.agree(known.set(time))?;
+        let mut force = known.forces(&problem.all);
+        problem.all.nodes.add_to_owners(&mut force, problem.all.dim);
+        force.truncate(self.work.displacement.len());
+        (self.work.pore_force, self.work.of_fluid) = (force, work);
+        Ok(())
+    }
+
     /// Goes on from the pressures among `nodal` rows in slabs; the displacements are those of `self.x`.
     /// Collective.
     fn resume_flow(&mut self, nodal: &Rows, fluid: [f64; 7]) -> Result<()> {

@@ -12,6 +12,7 @@ mod fluid;
 mod faults;
 
 mod kills;
+mod known_pressure;
 mod locking;
 mod lorentz;
 mod manufactured;
