@@ -62,8 +62,12 @@ fn sources_in(directory: &str) -> Vec<Source> {
 fn collect(directory: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(directory).expect("a directory of the package").flatten() {
         let (path, name) = (entry.path(), entry.file_name());
-        let product = ["target", "results", ".git", ".venv", "__pycache__"].iter();
-        if path.is_dir() && !product.clone().any(|p| name == *p) {
+        // `.git` is a file in a worktree.
+        let mut product = ["target", "results", ".git", ".venv", "__pycache__"].iter();
+        if product.any(|p| name == *p) {
+            continue;
+        }
+        if path.is_dir() {
             collect(&path, found);
         } else if path.is_file() {
             found.push(path);

@@ -13,6 +13,7 @@ mod saddle;
 mod second_order;
 mod sweep;
 mod tangent;
+mod whole;
 
 pub use cells::{CellSet, Cells};
 pub use films::{FilmFacet, FilmNode, FilmTangent, Films};
@@ -21,6 +22,7 @@ pub use pattern::Pattern;
 pub use pores::{PoreCell, PoreSpace, Tie};
 pub use saddle::{LawDerivative, SaddleTangent};
 pub use tangent::{NodeState, Tangent};
+pub use whole::{WholeMatrix, WholeValues};
 
 use crate::interface::JumpRows;
 use crate::space::{Nodes, Prescribed};

@@ -3,13 +3,13 @@
 //! The pressure is linear in every porous cell, whatever the order of the displacement; its nodes are
 //! those of the column with cells of first order. Owned nodes come first, as everywhere.
 
+mod matrix;
+
 use super::Discretization;
 use super::films::Films;
-use super::pattern::{count_blocks, merge_to_owners};
 use crate::bulk::{FlowStep, MAX_CORNERS, PorousCell};
 use crate::comm::Comm;
-use crate::error::Result;
-use crate::petsc::Matrix;
+use crate::element::Shape;
 use crate::space::Nodes;
 
 /// A porous cell of this rank.
@@ -209,6 +209,29 @@ impl PoreSpace {
         like.at_centre(&of_cell, &p, gravity)
     }
 
+    /// Pressures of all local nodes at every owned displacement node of porous cells (Pa), linear between
+    /// the corners of a cell; 0 at others. Collective.
+    pub fn at_nodes(&self, all: &Discretization, pressure: &[f64]) -> Vec<f64> {
+        // Value and number of ranks that know it.
+        let mut at = vec![[0.0; 2]; all.nodes.len()];
+        for cell in &self.cells {
+            let nodes = all.cells.nodes(cell.cell as usize);
+            let order = if nodes.len() > 1 << all.dim { 2 } else { 1 };
+            let shape = Shape::of(all.dim, order);
+            for (node, xi) in nodes.iter().zip(shape.node_points()) {
+                let mut values = [0.0; MAX_CORNERS];
+                shape.corners().values(*xi, &mut values);
+                let corners = cell.nodes.iter().zip(&values);
+                let p = corners.map(|(n, v)| v * pressure[*n as usize]).sum();
+                at[*node as usize] = [p, 1.0];
+            }
+        }
+        let mut packed: Vec<f64> = at.into_iter().flatten().collect();
+        all.nodes.add_to_owners(&mut packed, 2);
+        let owned = packed.chunks_exact(2).take(all.nodes.owned);
+        owned.map(|at| at[0] / at[1].max(1.0)).collect()
+    }
+
     /// Turns owned pressures into those of all local nodes, zero where prescribed. Collective.
     pub fn expand(&self, p: &mut [f64]) {
         self.for_identity_rows(|node| p[node] = 0.0);
@@ -265,94 +288,11 @@ impl PoreSpace {
         }
     }
 
-    /// Number of a local node among all; -1, which PETSc passes over, where the pressure is prescribed.
-    fn number(&self, node: u32) -> i32 {
-        if self.prescribed[node as usize] { -1 } else { self.nodes.numbers[node as usize] }
-    }
-
-    /// An empty matrix for [`PoreSpace::assemble`]. Collective.
-    ///
-    /// # Errors
-    /// `System` when PETSc fails.
-    pub fn matrix(&self, comm: &Comm, petsc: &crate::petsc::Petsc) -> Result<Matrix> {
-        let mut lists: Vec<Vec<i32>> = vec![Vec::new(); self.nodes.len()];
-        for cell in &self.cells {
-            let held = cell.nodes[..self.corners()].iter().flat_map(|n| self.unknowns(*n));
-            let held: Vec<u32> = held.map(|(node, _)| node).collect();
-            for row in &held {
-                lists[*row as usize].extend(held.iter().map(|n| self.nodes.numbers[*n as usize]));
-            }
-        }
-        for (node, list) in lists.iter_mut().enumerate().take(self.nodes.owned) {
-            list.push(self.nodes.numbers[node]);
-        }
-        for list in &mut lists {
-            list.sort_unstable();
-            list.dedup();
-        }
-        let first = self.nodes.first;
-        let rows = merge_to_owners(comm, &self.nodes, &self.nodes.numbers, first, lists);
-        let owned = self.nodes.owned;
-        let own = first..first + owned as i32;
-        let (inside, outside) = count_blocks(rows.iter().map(Vec::as_slice), own);
-        Matrix::new(petsc, owned, 1, &inside, &outside)
-    }
-
-    /// Sets `matrix` to the sum of the symmetric matrices that `of_cell` gives for each prototype and of
-    /// further `blocks` over local nodes of one cell (m3/Pa), times `factor`, with `diagonal` at identity
-    /// rows. Collective.
-    ///
-    /// # Errors
-    /// `System` when PETSc refuses a value; on all ranks.
-    pub fn assemble(
-        &self,
-        comm: &Comm,
-        of_cell: impl Fn(&PorousCell) -> Vec<f64>,
-        blocks: &[(Vec<u32>, Vec<f64>)],
-        (factor, diagonal): (f64, f64),
-        matrix: &mut Matrix,
-    ) -> Result<()> {
-        matrix.zero()?;
-        let like = self.prototypes.iter().map(of_cell);
-        let like: Vec<Vec<f64>> = like.map(|m| m.iter().map(|v| factor * v).collect()).collect();
-        let mut fill = || {
-            for cell in &self.cells {
-                self.add(&cell.nodes[..self.corners()], &like[cell.prototype as usize], matrix)?;
-            }
-            for (nodes, values) in blocks {
-                let values: Vec<f64> = values.iter().map(|v| factor * v).collect();
-                self.add(nodes, &values, matrix)?;
-            }
-            for node in (0..self.nodes.owned).filter(|node| self.is_known(*node)) {
-                let number = [self.nodes.numbers[node]];
-                matrix.add(&number, &number, &[diagonal])?;
-            }
-            Ok(())
-        };
-        let filled = fill();
-        comm.agree(filled)?;
-        comm.agree(matrix.assemble())
-    }
-
-    /// Adds the matrix of some local nodes to that of their unknowns. Local.
-    fn add(&self, nodes: &[u32], values: &[f64], matrix: &mut Matrix) -> Result<()> {
-        if nodes.iter().all(|node| self.tie_of[*node as usize].is_none()) {
-            let numbers: Vec<i32> = nodes.iter().map(|node| self.number(*node)).collect();
-            return matrix.add(&numbers, &numbers, values);
-        }
-        let unknowns: Vec<Vec<(u32, f64)>> =
-            nodes.iter().map(|node| self.unknowns(*node)).collect();
-        for (row, values) in unknowns.iter().zip(values.chunks_exact(nodes.len())) {
-            for (column, value) in unknowns.iter().zip(values) {
-                let numbers = |of: &[(u32, f64)]| -> Vec<i32> {
-                    of.iter().map(|(n, _)| self.nodes.numbers[*n as usize]).collect()
-                };
-                let parts =
-                    row.iter().flat_map(|(_, a)| column.iter().map(move |(_, b)| a * value * b));
-                matrix.add(&numbers(row), &numbers(column), &parts.collect::<Vec<f64>>())?;
-            }
-        }
-        Ok(())
+    /// Whether any pressure of any rank is to be found. Collective.
+    pub fn has_unknowns(&self, comm: &Comm) -> bool {
+        let mut known = 0;
+        self.for_identity_rows(|_| known += 1);
+        comm.any(known < self.nodes.owned)
     }
 
     /// Adds the product of the matrices that [`PoreSpace::assemble`] would add, `like` by prototype,

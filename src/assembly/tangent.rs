@@ -74,7 +74,7 @@ pub struct Tangent {
 }
 
 /// How one component of one node appears in the unknowns.
-type Expansion = Vec<(usize, f64)>;
+pub(super) type Expansion = Vec<(usize, f64)>;
 
 impl Tangent {
     /// `diagonal` must be the same on all ranks.
@@ -237,7 +237,7 @@ struct Work {
 
 /// A component of a node over the unknowns of `coupled`: empty where prescribed, the jump row where
 /// stuck, else itself, with the jump row where the jump is the unknown.
-fn expand(
+pub(super) fn expand(
     all: &Discretization,
     state: &[NodeState],
     (node, component): (u32, usize),

@@ -27,6 +27,16 @@ pub struct FlowStep {
     pub lumped: bool,
 }
 
+impl FlowStep {
+    /// Whether the linearised flow of this step serves the other one: instants at equal distances
+    /// differ by rounding.
+    pub fn serves(&self, other: &Self) -> bool {
+        const PART: f64 = 1e-9;
+        let rounded = (self.length - other.length).abs() <= PART * other.length.abs();
+        rounded && Self { length: other.length, ..*self } == *other
+    }
+}
+
 /// A point of the Gauss rule of a cell.
 #[derive(Debug, Clone)]
 struct Point {
@@ -108,6 +118,11 @@ impl PorousCell {
     /// Corners of the cell.
     pub fn corners(&self) -> usize {
         1 << self.dim
+    }
+
+    /// Integral of b div v N: row by displacement, column by pressure (m2).
+    pub fn coupling(&self) -> &[f64] {
+        &self.coupling
     }
 
     /// Adds the forces of the pressure on the nodes, b times the integral of div v p (N).

@@ -50,7 +50,8 @@ impl Checker<'_> {
         self.solver(&file.solver);
         let (control, time, start) = self.control(&file, &interfaces, (time, start));
         self.films(&mesh, &materials, &interfaces);
-        let (physics, flow) = self.physics(&file, &materials, &interfaces, &boundary);
+        let (physics, flow, pressure_is_load) =
+            self.physics(&file, &materials, &interfaces, &boundary);
         if self.sound(&["mesh", "materials", "interfaces"]) {
             self.cells(&file, &mesh, &materials, &interfaces);
         }
@@ -85,6 +86,7 @@ impl Checker<'_> {
             imperfections,
             physics,
             flow,
+            pressure_is_load,
             time,
             start,
             control,

@@ -28,10 +28,32 @@ pub struct FlowSpec {
 struct Given<'a> {
     porous: Vec<&'a str>,
     initial: Option<Value>,
-    /// Whether the pressure of every node is prescribed as 0.
+    /// Whether the pressure of every node is prescribed.
     known: bool,
-    /// Path of the first entry that makes a pressure other than 0.
+    /// Path of the first pressure that acts on the skeleton: the prescribed one, or the reference where
+    /// another one is prescribed.
     acts: Option<String>,
+    /// Path of the first entry whose only result is a flow.
+    flows: Option<String>,
+    /// The first expectation of what only flow can give.
+    expects: Option<String>,
+}
+
+impl Given<'_> {
+    /// Whether the pressure acts as a load that is known beforehand, or not at all.
+    fn is_load(&self) -> bool {
+        !self.porous.is_empty() && self.known && self.flows.is_none()
+    }
+}
+
+/// Whether a quantity is computed with flow only, or also where the pressure is a known load.
+fn is_of_flow(quantity: &str) -> bool {
+    let last = quantity.rsplit('.').next().unwrap_or_default();
+    quantity.starts_with("mass.") || matches!(last, "flux_lower" | "flux_upper")
+}
+
+fn is_of_pressure(quantity: &str) -> bool {
+    quantity.ends_with(".pressure") || quantity == "energy.fluid"
 }
 
 fn starts_in_equilibrium(file: &CaseFile) -> bool {
@@ -39,14 +61,14 @@ fn starts_in_equilibrium(file: &CaseFile) -> bool {
 }
 
 impl Checker<'_> {
-    /// What is computed, and the flow if it is.
+    /// What is computed, the flow if it is, and whether a pressure acts as a load without it.
     pub(super) fn physics(
         &mut self,
         file: &CaseFile,
         materials: &[Material],
         interfaces: &[InterfaceSpec],
         boundary: &[BoundarySpec],
-    ) -> (PhysicsDecision, Option<FlowSpec>) {
+    ) -> (PhysicsDecision, Option<FlowSpec>, bool) {
         let given = self.given(file, materials, interfaces, boundary);
         let theta = file.time.theta.unwrap_or(1.0);
         if !(0.5..=1.0).contains(&theta) {
@@ -55,16 +77,24 @@ impl Checker<'_> {
         }
         self.gravity(file, materials);
         if !self.sound(&["physics", "materials", "boundary", "initial", "interfaces"]) {
-            return (PhysicsDecision::Mechanics, None);
+            return (PhysicsDecision::Mechanics, None, false);
         }
         let needs_flow = match file.physics {
             Physics::HydroMechanics => true,
             Physics::Mechanics => false,
-            Physics::Auto => !given.porous.is_empty() && (!given.known || given.acts.is_some()),
+            Physics::Auto => {
+                // With a tolerance steps are as long as the error of the pressure allows.
+                let asked = given.expects.is_some() || file.time.tolerance.is_some();
+                !given.porous.is_empty() && (asked || !given.is_load())
+            }
         };
         if !needs_flow {
-            self.leave_out(file, &given);
-            return (PhysicsDecision::Mechanics, None);
+            let acting = given.acts.as_ref().filter(|_| given.is_load());
+            match acting {
+                Some(path) => self.take_as_load(file, materials, &given, path),
+                None => self.leave_out(file, &given),
+            }
+            return (PhysicsDecision::Mechanics, None, acting.is_some());
         }
         if given.porous.is_empty() {
             self.add("physics", "hydro_mechanics needs a material with porous data");
@@ -76,7 +106,7 @@ impl Checker<'_> {
         let (tolerance, lumped) = (file.time.tolerance, file.solver.lumped_storage);
         let equilibrium = starts_in_equilibrium(file);
         let flow = FlowSpec { theta, tolerance, initial, equilibrium, lumped };
-        (PhysicsDecision::HydroMechanics, Some(flow))
+        (PhysicsDecision::HydroMechanics, Some(flow), false)
     }
 
     fn given<'a>(
@@ -92,26 +122,39 @@ impl Checker<'_> {
         let initial = initial.map(|pressure| self.value("initial.pressure", pressure));
         let is_known = |b: &BoundarySpec| b.on == Surface::All && b.pressure.is_some();
         let known = boundary.iter().any(is_known);
-        let mut acts = None;
+        let (mut acts, mut flows) = (None, None);
         for (index, entry) in boundary.iter().enumerate() {
-            for (key, value) in [("pressure", &entry.pressure), ("flux", &entry.flux)] {
-                if value.as_ref().is_some_and(|value| !value.is_zero()) {
-                    acts.get_or_insert_with(|| format!("boundary.{index}.{key}"));
-                }
+            if entry.pressure.as_ref().is_some_and(|value| !value.is_zero()) {
+                acts.get_or_insert_with(|| format!("boundary.{index}.pressure"));
+            }
+            if entry.flux.as_ref().is_some_and(|value| !value.is_zero()) {
+                flows.get_or_insert_with(|| format!("boundary.{index}.flux"));
             }
         }
         for (index, interface) in interfaces.iter().enumerate() {
             if interface.connected {
-                acts.get_or_insert_with(|| format!("interfaces.{index}.fluid.connected"));
+                flows.get_or_insert_with(|| format!("interfaces.{index}.fluid.connected"));
             }
             if interface.film.is_some() {
-                acts.get_or_insert_with(|| format!("interfaces.{index}.fluid"));
+                flows.get_or_insert_with(|| format!("interfaces.{index}.fluid"));
             }
         }
-        if initial.as_ref().is_some_and(|initial| !initial.is_zero()) {
-            acts.get_or_insert_with(|| "initial.pressure".to_owned());
+        // Where all pressures are prescribed it only tells how much fluid comes in first.
+        if !known && initial.as_ref().is_some_and(|initial| !initial.is_zero()) {
+            flows.get_or_insert_with(|| "initial.pressure".to_owned());
         }
-        Given { porous, initial, known, acts }
+        let reference = |m: &&Material| {
+            m.porous.as_ref().is_some_and(|porous| porous.reference_pressure != 0.0)
+        };
+        if let Some(material) = materials.iter().find(reference).filter(|_| known) {
+            let path = format!("materials.{}.porous.reference_pressure", material.name);
+            acts.get_or_insert(path);
+        }
+        let only =
+            |quantity: &str| is_of_flow(quantity) || acts.is_none() && is_of_pressure(quantity);
+        let expects = file.expect.iter().map(|e| e.quantity.as_str()).find(|q| only(q));
+        let expects = expects.map(str::to_owned);
+        Given { porous, initial, known, acts, flows, expects }
     }
 
     /// Says why the pore pressure is left out, or refuses to.
@@ -121,7 +164,7 @@ impl Checker<'_> {
                           physics: hydro_mechanics); without one a run starts undeformed";
             self.add("initial.equilibrium", reason);
         }
-        if let Some(path) = &given.acts {
+        if let Some(path) = given.acts.as_ref().or(given.flows.as_ref()) {
             let reason = if given.porous.is_empty() {
                 "acts on pores, but no material is porous (materials.NAME.porous)"
             } else {
@@ -150,6 +193,26 @@ impl Checker<'_> {
                     .to_owned(),
             );
         }
+    }
+
+    /// Says that the pressure acts as a load, and what is left out then.
+    fn take_as_load(
+        &mut self,
+        file: &CaseFile,
+        materials: &[Material],
+        given: &Given<'_>,
+        path: &str,
+    ) {
+        self.one_fluid(materials);
+        if file.control.is_some() {
+            self.add("control", format!("does not scale the pore pressure ({path})"));
+        }
+        self.left_out.push(format!(
+            "Flow is left out, and with it the fluid's mass, its flux and the porosity of {} in \
+             history and fields: the pressure is prescribed on all nodes, so it acts as a load, \
+             biot times what it is above the reference pressure; physics: hydro_mechanics gives them.",
+            given.porous.join(", ")
+        ));
     }
 
     /// Pressures and fluxes act where there are pores.

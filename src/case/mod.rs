@@ -89,6 +89,8 @@ pub struct Case {
     pub physics: PhysicsDecision,
     /// Flow in the pores, where it is computed.
     pub flow: Option<FlowSpec>,
+    /// Whether the pore pressure is prescribed at every node and acts as a load, without flow.
+    pub pressure_is_load: bool,
     /// The instants in s, strictly rising, after `start`.
     pub time: Vec<f64>,
     /// The time in s of the state at the start.
@@ -162,6 +164,11 @@ impl Case {
         checker.case(file, path)
     }
 
+    /// Whether a pore pressure acts on the skeleton, with flow or known beforehand.
+    pub fn has_pressure(&self) -> bool {
+        self.flow.is_some() || self.pressure_is_load
+    }
+
     /// Whether the cells of a material have the mean of the volumetric strain in place of its values.
     pub fn has_mean_dilatation(&self, material: &Material) -> bool {
         match self.mesh.formulation {
@@ -191,7 +198,7 @@ impl Case {
         let of_boundary =
             self.boundary.iter().flat_map(|b| b.displacement.iter().chain(&b.traction));
         let mut values: Vec<&Value> = of_boundary.flatten().collect();
-        if self.flow.is_some() {
+        if self.has_pressure() {
             values.extend(self.boundary.iter().flat_map(|b| b.pressure.iter().chain(&b.flux)));
             let films = self.interfaces.iter().filter_map(|i| i.film.as_ref());
             values.extend(films.filter_map(|film| film.injection.as_ref()));

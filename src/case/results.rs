@@ -73,16 +73,18 @@ impl Case {
             for axis in self.axes() {
                 columns.push(format!("{}.displacement_{axis}", probe.name));
             }
-            if self.flow.is_some() {
+            if self.has_pressure() {
                 columns.push(format!("{}.pressure", probe.name));
             }
         }
         for energy in ["elastic", "dissipated", "external"] {
             columns.push(format!("energy.{energy}"));
         }
+        if self.has_pressure() {
+            columns.push("energy.fluid".to_owned());
+        }
         if self.flow.is_some() {
-            columns
-                .extend(["energy.fluid", "mass.in", "mass.out", "mass.stored"].map(str::to_owned));
+            columns.extend(["mass.in", "mass.out", "mass.stored"].map(str::to_owned));
         }
         columns
     }

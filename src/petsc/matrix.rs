@@ -258,6 +258,44 @@ impl Matrix {
         check(code, "MatZeroRows")
     }
 
+    /// Calls `act` with the global number, the columns and the values of every row of this rank. Local.
+    ///
+    /// # Errors
+    /// That of `act`; `System` when PETSc fails.
+    pub fn for_each_row(
+        &self,
+        mut act: impl FnMut(i32, &[i32], &[f64]) -> Result<()>,
+    ) -> Result<()> {
+        let (mut first, mut end) = (0, 0);
+        // SAFETY: a valid matrix.
+        let code = unsafe { ffi::MatGetOwnershipRange(self.raw, &mut first, &mut end) };
+        check(code, "MatGetOwnershipRange")?;
+        for row in first..end {
+            let (mut n, mut columns, mut values) = (0, ptr::null(), ptr::null());
+            // SAFETY: a valid, assembled matrix and one of its own rows.
+            let code = unsafe { ffi::MatGetRow(self.raw, row, &mut n, &mut columns, &mut values) };
+            check(code, "MatGetRow")?;
+            let acted = if n > 0 {
+                // SAFETY: PETSc lends n columns and values until the row is given back.
+                let (columns, values) = unsafe {
+                    (
+                        std::slice::from_raw_parts(columns, n as usize),
+                        std::slice::from_raw_parts(values, n as usize),
+                    )
+                };
+                act(row, columns, values)
+            } else {
+                Ok(())
+            };
+            // SAFETY: the row that was lent.
+            let code =
+                unsafe { ffi::MatRestoreRow(self.raw, row, &mut n, &mut columns, &mut values) };
+            check(code, "MatRestoreRow")?;
+            acted?;
+        }
+        Ok(())
+    }
+
     /// `y` = matrix times `x`. Collective.
     ///
     /// # Errors

@@ -264,15 +264,10 @@ impl Snes {
     /// # Errors
     /// `System` when PETSc fails.
     pub fn try_more_work_space(&mut self, report: &SolveReport) -> Result<bool> {
-        let name = format!("{}mat_mumps_icntl_14", self.prefix);
-        let short = |f: &LinearFailure| matches!(f.mumps, Some(-8 | -9 | -14 | -15 | -17 | -20));
-        let ours = self.defaults.contains(&name) && !self.more_work_space;
-        if !ours || !report.failing_linear.as_ref().is_some_and(short) {
-            return Ok(false);
+        match &report.failing_linear {
+            Some(failure) => self.give_more_work_space(failure.mumps),
+            None => Ok(false),
         }
-        self.more_work_space = true;
-        self.petsc.set_option(&name, "500")?;
-        Ok(true)
     }
 
     /// The smoothers of multigrid, from the level above the coarsest. Local.

@@ -8,7 +8,7 @@
 // bind functions: PetscLogStageRegister PetscLogStagePush PetscLogStagePop
 // bind functions: VecCreateMPI VecDuplicate VecDestroy VecSetBlockSize VecGetLocalSize VecGetArray VecRestoreArray VecGetArrayRead VecRestoreArrayRead VecNorm VecSet VecCopy
 // bind functions: MatCreate MatDestroy MatSetSizes MatSetType MatSetBlockSize MatSetOption MatSeqAIJSetPreallocation MatMPIAIJSetPreallocation
-// bind functions: MatSetValuesBlocked MatSetValues MatAssemblyBegin MatAssemblyEnd MatZeroEntries MatMult MatGetInfo MatZeroRows
+// bind functions: MatSetValuesBlocked MatSetValues MatAssemblyBegin MatAssemblyEnd MatZeroEntries MatMult MatGetInfo MatZeroRows MatGetOwnershipRange MatGetRow MatRestoreRow
 // bind functions: MatSetNearNullSpace MatNullSpaceCreateRigidBody MatNullSpaceDestroy MatMumpsGetInfog
 // bind functions: KSPGetPC KSPGetIterationNumber KSPGetConvergedReason KSPSetTolerances KSPReset KSPGetResidualNorm KSPGetType
 // bind functions: PCFactorGetMatrix PCFactorGetMatSolverType PCGetType PCGetFailedReason

@@ -46,7 +46,7 @@ pub fn describe(case: &Case) -> Result<String> {
         checked.map_err(|AtNode(_, error)| error)?;
         let mesh = LocalMesh::new(&column, (0..column.cells()).collect(), column.cells());
         Loads::new(case, &mesh).check(&times)?;
-        if case.flow.is_some() {
+        if case.has_pressure() {
             let corners = LocalMesh::new(&column.of_first_order(), mesh.cells.clone(), 0);
             let prescribed = PrescribedPressure::new(case, &corners.column);
             let checked = prescribed.check(&corners.nodes, &times);

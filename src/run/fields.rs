@@ -140,9 +140,11 @@ impl FieldWriter {
             cells = vec![
                 array("stress", 6, Values::F64(&pores.total_stress)),
                 array("effective_stress", 6, Values::F64(&stress)),
-                array("fluid_flux", 3, Values::F64(&pores.flux)),
-                array("porosity", 1, Values::F64(&pores.porosity)),
             ];
+            if case.flow.is_some() {
+                cells.push(array("fluid_flux", 3, Values::F64(&pores.flux)));
+                cells.push(array("porosity", 1, Values::F64(&pores.porosity)));
+            }
         }
         let data = Data { points: &points, cells: &cells };
         let fixed = Fixed { grid: &grid, data: known };
@@ -150,7 +152,7 @@ impl FieldWriter {
     }
 }
 
-/// What flow adds to the bulk; values of cells without pores are 0, their stress has no part in it.
+/// What a pore pressure adds to the bulk; values of cells without pores are 0, their stress has no part in it.
 struct PoreFields {
     /// At owned nodes (Pa).
     pressure: Vec<f64>,
@@ -162,23 +164,24 @@ struct PoreFields {
 }
 
 impl PoreFields {
-    /// None without flow. Collective.
+    /// None without a pressure. Collective.
     fn new(model: &Model<'_>, effective_stress: &[f64]) -> Option<Self> {
-        let flow = &model.stepper.coupling.as_ref()?.flow;
+        let (space, pressure) = model.stepper.pores()?;
+        let gravity = model.stepper.coupling.as_ref().map(|coupling| coupling.flow.step.gravity);
         let problem = &model.stepper.problem;
         let (all, cells) = (&problem.all, problem.all.cells.len());
         let mut fields = Self {
-            pressure: flow.at_nodes(all),
+            pressure: space.at_nodes(all, pressure),
             total_stress: effective_stress.to_vec(),
             flux: vec![0.0; 3 * cells],
             porosity: vec![0.0; cells],
         };
-        for pores in &flow.space.cells {
-            let state = (&problem.displacement[..], &flow.pressure[..]);
+        for pores in &space.cells {
+            let state = (&problem.displacement[..], pressure);
             let (flux, pressure, porosity) =
-                flow.space.at_centre(all, pores, state, &flow.step.gravity);
+                space.at_centre(all, pores, state, &gravity.unwrap_or_default());
             let cell = pores.cell as usize;
-            let biot = flow.space.prototypes[pores.prototype as usize].medium.biot;
+            let biot = space.prototypes[pores.prototype as usize].medium.biot;
             for normal in &mut fields.total_stress[6 * cell..][..3] {
                 *normal -= biot * pressure;
             }

@@ -37,22 +37,26 @@ pub fn row(
     for probe in probes {
         let own = &mut at_probes[5 * probe.index..][..5];
         own[..3].copy_from_slice(&probe.displacement(problem));
-        if let Some(pressure) = flow.and_then(|flow| probe.pressure(flow)) {
+        let pores = model.stepper.pores();
+        if let Some(pressure) = pores.and_then(|(space, p)| probe.pressure(space, p)) {
             own[3..].copy_from_slice(&[pressure, 1.0]);
         }
     }
     comm.sum(&mut at_probes);
     for own in at_probes.chunks_exact(5) {
         row.extend(own[..case.dim].iter().map(|v| Some(*v)));
-        if flow.is_some() {
+        if case.has_pressure() {
             row.push((own[4] > 0.0).then_some(own[3]));
         }
     }
     let energy = accepted.energy;
     row.extend([energy.elastic, energy.dissipated, energy.external].map(Some));
+    if case.has_pressure() {
+        row.push(Some(energy.fluid));
+    }
     if let Some(flow) = flow {
         let FluidBalance { inflow, outflow, stored } = flow.balance;
-        row.extend([energy.fluid, inflow, outflow, stored].map(Some));
+        row.extend([inflow, outflow, stored].map(Some));
     }
     row
 }

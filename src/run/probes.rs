@@ -1,9 +1,10 @@
 //! Displacements and pore pressures at given points.
 
+use crate::assembly::PoreSpace;
 use crate::case::Case;
 use crate::element::MAX_NODES;
 use crate::mesh::{LocalMesh, axes};
-use crate::solve::{Flow, Problem};
+use crate::solve::Problem;
 
 /// A probe, on the rank whose cell holds it.
 pub struct Probe {
@@ -40,11 +41,11 @@ pub fn locate(case: &Case, mesh: &LocalMesh) -> Vec<Probe> {
 
 impl Probe {
     /// Pore pressure (Pa); none in a cell without pores. Local.
-    pub fn pressure(&self, flow: &Flow) -> Option<f64> {
+    pub fn pressure(&self, space: &PoreSpace, pressure: &[f64]) -> Option<f64> {
         let (names, values) = &self.corners;
-        let nodal = names.iter().map(|name| flow.space.nodes.local(*name));
+        let nodal = names.iter().map(|name| space.nodes.local(*name));
         let nodal: Option<Vec<u32>> = nodal.collect();
-        Some(nodal?.iter().zip(values).map(|(n, v)| v * flow.pressure[*n as usize]).sum())
+        Some(nodal?.iter().zip(values).map(|(n, v)| v * pressure[*n as usize]).sum())
     }
 
     /// Displacement by component (m). Local.

@@ -20,8 +20,7 @@ pub struct Energy {
 /// Under the same loads and prescribed displacements, from the same history, stable states are its
 /// minima. Collective.
 pub(super) fn potential(problem: &Problem<'_>) -> f64 {
-    let mut load = problem.load.clone();
-    problem.all.nodes.add_to_owners(&mut load, problem.all.dim);
+    let load = problem.applied();
     let owned = problem.all.nodes.owned * problem.all.dim;
     let work: f64 = load[..owned].iter().zip(&problem.displacement).map(|(f, u)| f * u).sum();
     let [stored, dissipated] = held(problem, &load);

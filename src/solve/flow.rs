@@ -11,9 +11,8 @@ use std::rc::Rc;
 use super::Problem;
 use super::pace::Pace;
 use crate::assembly::{Discretization, PoreSpace};
-use crate::bulk::{FlowStep, Loads, MAX_CORNERS};
+use crate::bulk::{FlowStep, Loads};
 use crate::comm::Comm;
-use crate::element::Shape;
 use crate::error::Result;
 use crate::space::PrescribedPressure;
 use accounts::Contents;
@@ -262,29 +261,6 @@ impl Flow {
         all.nodes.add_to_owners(&mut at, 1);
         at.truncate(all.nodes.owned);
         at
-    }
-
-    /// Pressure of the last state at every owned displacement node of porous cells (Pa), linear between
-    /// the corners of a cell; 0 at others. Collective.
-    pub fn at_nodes(&self, all: &Discretization) -> Vec<f64> {
-        // Value and number of ranks that know it.
-        let mut at = vec![[0.0; 2]; all.nodes.len()];
-        for cell in &self.space.cells {
-            let nodes = all.cells.nodes(cell.cell as usize);
-            let order = if nodes.len() > 1 << all.dim { 2 } else { 1 };
-            let shape = Shape::of(all.dim, order);
-            for (node, xi) in nodes.iter().zip(shape.node_points()) {
-                let mut values = [0.0; MAX_CORNERS];
-                shape.corners().values(*xi, &mut values);
-                let corners = cell.nodes.iter().zip(&values);
-                let p = corners.map(|(n, v)| v * self.pressure[*n as usize]).sum();
-                at[*node as usize] = [p, 1.0];
-            }
-        }
-        let mut packed: Vec<f64> = at.into_iter().flatten().collect();
-        all.nodes.add_to_owners(&mut packed, 2);
-        let owned = packed.chunks_exact(2).take(all.nodes.owned);
-        owned.map(|at| at[0] / at[1].max(1.0)).collect()
     }
 
     /// Goes on from an accepted state of an earlier run: the pressures of owned nodes, the accounts and

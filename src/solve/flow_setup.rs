@@ -1,12 +1,16 @@
 //! From a case and this rank's cells to the coupled problem.
 
+use std::cell::RefCell;
 use std::rc::Rc;
 
-use super::coupled::{Blocks, Coupling};
+use super::blocks::{Beside, Block, Blocks, operators};
+use super::coupled::Coupling;
 use super::film_setup::{films, further_nodes, tie_rows, ties};
 use super::flow::{Flow, Source};
+use super::known_pressure::KnownPressure;
 use super::pace::Pace;
-use crate::assembly::{Discretization, PoreCell, PoreSpace, TangentOperator};
+use super::whole::Whole;
+use crate::assembly::{Discretization, PoreCell, PoreSpace, TangentOperator, WholeMatrix};
 use crate::bulk::{FlowStep, Loads, MAX_CORNERS, PorousCell, PorousMedium};
 use crate::case::{Case, FlowSpec};
 use crate::comm::Comm;
@@ -21,6 +25,8 @@ use crate::space::{AtNode, Directory, Nodes, PrescribedPressure};
 pub const MECHANICS: &str = "mechanics_";
 /// Prefix of PETSc options of the solver of the block of the pressure.
 const FLOW: &str = "flow_";
+/// Prefix of PETSc options of the elimination of both fields.
+const WHOLE: &str = "whole_";
 
 /// GMRES over both fields; the preconditioner is ours.
 const COUPLED: &[(&str, &str)] = &[
@@ -54,7 +60,8 @@ const ELIMINATION: &[(&str, &str)] =
 const FEW: u64 = 3000;
 
 /// Adds the pore pressure to a mechanical problem, whose solver becomes a block of the preconditioner:
-/// the solver of both fields, what couples them, and the unknowns of this rank. Collective.
+/// the solver of both fields, what couples them, and the unknowns of this rank. With `eliminate`, its
+/// options of elimination, both fields are eliminated together, but for films. Collective.
 ///
 /// # Errors
 /// `Input` when pressures disagree or a formula gives no finite number; `System` when PETSc fails.
@@ -64,6 +71,7 @@ pub fn couple(
     flow: &FlowSpec,
     (mesh, all, sides): (&LocalMesh, &Rc<Discretization>, &[Sides]),
     (mechanics, tangent): (Snes, Rc<TangentOperator>),
+    eliminate: Option<&KspSetup>,
 ) -> Result<(Snes, Coupling, usize)> {
     let (comm, petsc, dim) = (&runtime.comm, &runtime.petsc, case.dim);
     let corners = LocalMesh::new(&mesh.column.of_first_order(), mesh.cells.clone(), 0);
@@ -84,13 +92,25 @@ pub fn couple(
     };
     let mut scale = [mesh.prototypes.iter().map(stiffest).fold(0.0, f64::max)];
     comm.max(&mut scale);
-    let matrix = space.matrix(comm, petsc)?;
-    let options = if space.nodes.total <= FEW { ELIMINATION } else { MULTIGRID };
-    let solver = Snes::new(petsc, FLOW, matrix, &KspSetup::new(options))?;
-    let solvers = (mechanics, solver);
+    let has_films = case.interfaces.iter().any(|i| i.film.is_some());
+    let beside = match eliminate.filter(|_| space.has_unknowns(comm) && !has_films) {
+        Some(setup) => {
+            let numbers = WholeMatrix::new(comm, all, &space);
+            let matrix = numbers.matrix(comm, petsc, all, &space)?;
+            let solver = Snes::new(petsc, WHOLE, matrix, setup)?;
+            Beside::Whole(RefCell::new(Whole::new(numbers, Block::new(petsc, solver)?)))
+        }
+        None => {
+            let matrix = space.matrix(comm, petsc)?;
+            let options = if space.nodes.total <= FEW { ELIMINATION } else { MULTIGRID };
+            let solver = Snes::new(petsc, FLOW, matrix, &KspSetup::new(options))?;
+            Beside::Flow(RefCell::new(Block::new(petsc, solver)?))
+        }
+    };
+    let solvers = (mechanics, beside);
     let blocks = Blocks::new(comm, petsc, solvers, tangent, Rc::clone(&space), scale[0])?;
     let (blocks, rows) = (Rc::new(blocks), all.nodes.owned * dim + space.nodes.owned);
-    let [operator, preconditioner] = Coupling::operators(&blocks);
+    let [operator, preconditioner] = operators(&blocks);
     let matrix = Matrix::shell(petsc, rows, rows, 1, operator)?;
     let options = if blocks.is_coupled() { COUPLED } else { KNOWN };
     let mut snes = Snes::new(petsc, "", matrix, &KspSetup::new(options))?;
@@ -122,6 +142,25 @@ pub fn couple(
         initial,
     );
     Ok((snes, Coupling::new(flow, blocks), rows))
+}
+
+/// The pressure that is a load, where there is one. Collective.
+///
+/// # Errors
+/// As [`KnownPressure::new`].
+pub fn known_pressure(
+    comm: &Comm,
+    case: &Case,
+    (mesh, all): (&LocalMesh, &Discretization),
+) -> Result<Option<KnownPressure>> {
+    if !case.pressure_is_load {
+        return Ok(None);
+    }
+    let corners = LocalMesh::new(&mesh.column.of_first_order(), mesh.cells.clone(), 0);
+    let prescribed = PrescribedPressure::new(case, &corners.column);
+    let pressures = Pressures { corners: &corners, prescribed: &prescribed };
+    let space = pore_space(comm, case, (mesh, all, &[]), &pressures)?;
+    KnownPressure::new(comm, space, prescribed, &case.load_times()).map(Some)
 }
 
 /// Where pressures stand and which of them are prescribed.

@@ -1,5 +1,6 @@
 //! The nonlinear solution: from one instant to the next.
 
+mod blocks;
 mod condensed;
 mod convergence;
 mod coupled;
@@ -10,6 +11,7 @@ mod flow;
 mod flow_setup;
 mod imperfection;
 mod interfaces;
+mod known_pressure;
 mod linear;
 pub mod memory;
 mod pace;
@@ -22,12 +24,14 @@ mod setup;
 mod stability;
 mod state;
 mod stepping;
+mod whole;
 
 pub use coupled::Coupling;
 pub use energy::Energy;
 pub use flow::{Flow, FluidBalance};
 pub use imperfection::strength_factors;
 pub use interfaces::{InterfaceState, NodeResponse};
+pub use known_pressure::KnownPressure;
 pub use linear::{LinearChoice, MULTIGRID};
 pub use problem::Problem;
 pub use setup::{Model, build};

@@ -11,6 +11,7 @@ use std::rc::Rc;
 use super::condensed;
 use super::convergence::{Convergence, Worst};
 use super::interfaces::InterfaceState;
+use super::known_pressure::KnownPressure;
 use super::linear::LinearTarget;
 use super::path::PathControl;
 use super::recycle::Recycle;
@@ -57,6 +58,8 @@ pub struct Problem<'a> {
     pub load: Vec<f64>,
     /// Forces of the pore pressure, likewise (N); empty without one.
     pub pore_force: Vec<f64>,
+    /// The pore pressure, where it is a load.
+    pub known_pressure: Option<KnownPressure>,
     /// Out-of-balance force of the bulk alone at owned nodes: K u - load - pore force (N).
     pub bulk_force: Vec<f64>,
     /// The same with the tractions of the interfaces (N): zero where nothing is prescribed, the
@@ -106,6 +109,7 @@ impl<'a> Problem<'a> {
             displacement: vec![0.0; size],
             load: vec![0.0; size],
             pore_force: Vec::new(),
+            known_pressure: None,
             known_jumps: Vec::new(),
             bulk_force: vec![0.0; size],
             balance: vec![0.0; size],
@@ -137,6 +141,10 @@ impl<'a> Problem<'a> {
             load[node * dim + component] += force;
         });
         self.comm.agree(added)?;
+        if let Some(known) = &mut self.known_pressure {
+            self.comm.agree(known.set(time))?;
+            self.pore_force = known.forces(&self.all);
+        }
         if let Some(path) = &mut self.path {
             path.unit_load.clone_from(&self.load);
             self.scale_load();

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use super::convergence::Convergence;
 use super::coupled::Coupling;
-use super::flow_setup::{MECHANICS, couple};
+use super::flow_setup::{MECHANICS, couple, known_pressure};
 use super::imperfection::strength_factors;
 use super::interfaces::{InterfaceState, JointLaw};
 use super::linear::{LinearChoice, LinearTarget, MULTIGRID};
@@ -97,6 +97,7 @@ pub fn build<'a>(
     }
     let system = system(runtime, case, &choice, &mesh, &all, levels)?;
     let System { mut snes, form, diagonal, saddle, mut rows } = system;
+    let known_pressure = known_pressure(comm, case, (&mesh, &all))?;
     let mut coupling = None;
     let mut width = dim;
     if let Some(flow) = &case.flow {
@@ -104,7 +105,10 @@ pub fn build<'a>(
             TangentForm::Levels(hierarchy) => Rc::clone(hierarchy.finest()),
             _ => Rc::new(TangentOperator::new(Rc::clone(&all), diagonal)),
         };
-        let coupled = couple(runtime, case, flow, (&mesh, &all, &sides), (snes, tangent))?;
+        let eliminate = (choice.preset == "mumps").then(|| KspSetup::new(&choice.options));
+        let solver = (snes, tangent);
+        let coupled =
+            couple(runtime, case, flow, (&mesh, &all, &sides), solver, eliminate.as_ref())?;
         (snes, rows, width) = (coupled.0, coupled.2, 1);
         coupling = Some(coupled.1);
     }
@@ -117,6 +121,7 @@ pub fn build<'a>(
     let form = (form, diagonal);
     let mut problem = Problem::new(comm, timers, all, loads, interfaces, form, convergence, target);
     let path = |control: &Control| PathControl::new(control.clone(), control.words(case));
+    problem.known_pressure = known_pressure;
     problem.path = case.control.as_ref().map(path);
     let stepper = Stepper::new(case, problem, snes, (saddle, coupling), x, prescribed);
     let pressures = stepper.coupling.as_ref().map_or(0, |c| c.flow.space.nodes.total);

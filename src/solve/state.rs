@@ -175,15 +175,18 @@ impl Stepper<'_> {
             time: self.time,
             step: self.step.is_finite().then_some(self.step),
             energy: [elastic, dissipated, external],
-            fluid: self.coupling.as_ref().map_or([0.0; 7], |coupling| {
-                let FluidBalance { inflow, outflow, stored } = coupling.flow.balance;
-                let pace = coupling.flow.pace.as_ref();
-                let next = pace
-                    .filter(|pace| !pace.is_jump)
-                    .map_or(0.0, |pace| if pace.rate.is_some() { pace.next } else { -pace.next });
-                let largest = pace.map_or(0.0, |pace| pace.largest);
-                [fluid, inflow, outflow, stored, coupling.flow.accepted_scale(), next, largest]
-            }),
+            fluid: self.coupling.as_ref().map_or(
+                [fluid, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+                |coupling| {
+                    let FluidBalance { inflow, outflow, stored } = coupling.flow.balance;
+                    let pace = coupling.flow.pace.as_ref();
+                    let next = pace.filter(|pace| !pace.is_jump).map_or(0.0, |pace| {
+                        if pace.rate.is_some() { pace.next } else { -pace.next }
+                    });
+                    let largest = pace.map_or(0.0, |pace| pace.largest);
+                    [fluid, inflow, outflow, stored, coupling.flow.accepted_scale(), next, largest]
+                },
+            ),
             has_begun: self.has_begun,
             residual_norm: problem.residual_norm,
             scales: problem.convergence.accepted_scales(),
@@ -230,6 +233,7 @@ impl Stepper<'_> {
         // Nothing acts on the undeformed state yet, whatever its pressures.
         let acts = step.time > self.case.start || step.has_begun && self.starts_in_equilibrium();
         self.resume_flow(nodal, step.fluid, acts)?;
+        self.resume_load(step.time, step.fluid[0])?;
         let [elastic, dissipated, external] = step.energy;
         self.energy = Energy { elastic, dissipated, external, fluid: step.fluid[0] };
         self.work.total = external;
@@ -241,6 +245,18 @@ impl Stepper<'_> {
             Accepted { newton_iterations, linear_iterations, steps, ..Accepted::default() };
         self.since_instant = counts;
         self.earlier = step;
+        Ok(())
+    }
+
+    /// Goes on with a pressure that is a load, from the work it has done. Collective.
+    fn resume_load(&mut self, time: f64, work: f64) -> Result<()> {
+        let problem = &mut self.problem;
+        let Some(known) = &mut problem.known_pressure else { return Ok(()) };
+        problem.comm.agree(known.set(time))?;
+        let mut force = known.forces(&problem.all);
+        problem.all.nodes.add_to_owners(&mut force, problem.all.dim);
+        force.truncate(self.work.displacement.len());
+        (self.work.pore_force, self.work.of_fluid) = (force, work);
         Ok(())
     }
 

@@ -16,6 +16,7 @@ use super::problem::Problem;
 use super::saddle::{SaddlePoint, SaddleSystem};
 use super::stability::Instability;
 use super::state::StepState;
+use crate::assembly::PoreSpace;
 use crate::case::{Case, Stability};
 use crate::error::{Error, Result};
 use crate::fault;
@@ -262,6 +263,13 @@ impl<'a> Stepper<'a> {
             }
         }
         list
+    }
+
+    /// The porous cells and the pressures of all local nodes of theirs (Pa), computed or known. Local.
+    pub fn pores(&self) -> Option<(&PoreSpace, &[f64])> {
+        let computed = self.coupling.as_ref().map(|c| (&*c.flow.space, &c.flow.pressure[..]));
+        let known = self.problem.known_pressure.as_ref();
+        computed.or(known.map(|known| (&known.space, &known.pressure[..])))
     }
 
     fn try_step(&mut self, target: f64) -> Result<SolveReport> {

@@ -17,6 +17,7 @@ mod faults;
 mod grid;
 
 mod kills;
+mod known_pressure;
 mod locking;
 mod lorentz;
 mod mandel;

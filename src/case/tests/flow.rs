@@ -35,6 +35,35 @@ fn flow_is_computed_where_a_pressure_is_not_known_beforehand() {
 }
 
 #[test]
+fn a_pressure_that_is_known_is_a_load() {
+    let known = [POROUS, "boundary.2={on: all, pressure: {table: [[0, 1], [2, 3]]}}"];
+    for more in ["physics=auto", "physics=mechanics"] {
+        let case = good(&[known[0], known[1], more]);
+        assert_eq!(case.physics, PhysicsDecision::Mechanics);
+        assert!(case.pressure_is_load && case.flow.is_none());
+        let why = "the pressure is prescribed on all nodes, so it acts as a load";
+        assert!(case.left_out[0].contains(why), "{:?}", case.left_out);
+        assert_eq!(case.columns().last().map(String::as_str), Some("energy.fluid"));
+        let again = Case::read(&case.resolved().to_string(), Path::new("elsewhere.yaml"), &[]);
+        assert!(again.expect("the resolved case").pressure_is_load);
+    }
+    for more in [
+        "time.tolerance=0.1",
+        "boundary.3={on: left, flux: 1}",
+        "interfaces.0.fluid={pressure: 1, connected: true}",
+        "expect=[{quantity: mass.in, at: 1, equals: 0, absolute: 1}]",
+        "physics=hydro_mechanics",
+    ] {
+        let case = good(&[known[0], known[1], more]);
+        assert!(case.flow.is_some() && !case.pressure_is_load, "{more}");
+    }
+    let none = good(&[POROUS, "boundary.2={on: all, pressure: 0}"]);
+    assert!(!none.pressure_is_load);
+    let reference = "materials.rock.porous.reference_pressure=1";
+    assert!(good(&[POROUS, "boundary.2={on: all, pressure: 0}", reference]).pressure_is_load);
+}
+
+#[test]
 fn a_connected_fluid_reports_what_flows_into_either_side() {
     let case = good(&[POROUS, "interfaces.0.fluid={pressure: 1.0e7, connected: true}"]);
     assert!(case.interfaces[0].connected);
@@ -108,6 +137,14 @@ fn mistakes_of_flow_are_told() {
         (
             vec![POROUS, "control={opening: {of: joint, equals: 1.0e-4}}"],
             "cannot stand beside flow, which depends on time",
+        ),
+        (
+            vec![
+                POROUS,
+                "boundary.2={on: all, pressure: 3}",
+                "control={opening: {of: joint, equals: 1.0e-4}}",
+            ],
+            "control does not scale the pore pressure (boundary.2.pressure)",
         ),
     ] {
         let text = message("mesh", "mesh", &assignments);

@@ -61,6 +61,31 @@ impl Snes {
         Ok(TangentAt { snes: self, from, to, negative_pivots })
     }
 
+    /// Gives MUMPS several times as much work space from now on where `INFOG(1)` says that it had too
+    /// little, unless the user has said how much or it has it already. Tells whether it did. Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn give_more_work_space(&mut self, infog: Option<i32>) -> Result<bool> {
+        let name = format!("{}mat_mumps_icntl_14", self.prefix);
+        let short = matches!(infog, Some(-8 | -9 | -14 | -15 | -17 | -20));
+        if !short || !self.defaults.contains(&name) || self.more_work_space {
+            return Ok(false);
+        }
+        self.more_work_space = true;
+        self.petsc.set_option(&name, "500")?;
+        Ok(true)
+    }
+
+    /// Forgets preconditioner and factors: MUMPS refuses to use a factor again after a failure.
+    /// Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn forget_factors(&mut self) -> Result<()> {
+        self.ksp.reset()
+    }
+
     /// Applies the preconditioner or the factors that [`Snes::set_up`] has made. Collective.
     ///
     /// # Errors

@@ -1,0 +1,63 @@
+//! Displacement and pore pressure eliminated together, as the preconditioner of the coupled problem.
+
+use super::blocks::Block;
+use crate::assembly::{Discretization, PoreSpace, WholeMatrix, WholeValues};
+use crate::comm::Comm;
+use crate::error::{Error, Result};
+use crate::petsc::{Matrix, TangentChange};
+
+/// The factors of the matrix of both fields.
+pub struct Whole {
+    pub(super) numbers: WholeMatrix,
+    pub(super) block: Block,
+    /// Whether the matrix could not be factored.
+    failed: bool,
+}
+
+impl Whole {
+    /// Nothing is factored yet; `block` has the matrix that `numbers` made.
+    pub(super) fn new(numbers: WholeMatrix, block: Block) -> Self {
+        Self { numbers, block, failed: false }
+    }
+
+    /// Assembles and eliminates. A matrix that cannot be factored ends the next linear solve.
+    /// Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub(super) fn set_up(
+        &mut self,
+        comm: &Comm,
+        (all, pores): (&Discretization, &PoreSpace),
+        bulk: &Matrix,
+        values: &WholeValues<'_>,
+    ) -> Result<()> {
+        let solver = &mut self.block.solver;
+        self.numbers.assemble(comm, (all, pores), bulk, values, solver.matrix_mut())?;
+        if self.failed {
+            solver.forget_factors()?;
+        }
+        let mut factored = solver.set_up(TangentChange::Changed).map(drop);
+        let infog = solver.mumps_infog(1);
+        if factored.is_err() && solver.give_more_work_space(infog)? {
+            tracing::info!("  MUMPS gets more work space");
+            solver.forget_factors()?;
+            factored = solver.set_up(TangentChange::Changed).map(drop);
+        }
+        self.failed = match factored {
+            Ok(()) => false,
+            Err(Error::Numerics(words)) => {
+                tracing::debug!("  {words}");
+                true
+            }
+            Err(other) => return Err(other),
+        };
+        Ok(())
+    }
+
+    /// z = the factors times r; not numbers where there are none, which ends the linear solve.
+    /// Collective.
+    pub(super) fn apply(&mut self, r: &[f64], z: &mut [f64]) {
+        if self.failed { z.fill(f64::NAN) } else { self.block.apply(r, z) }
+    }
+}
