@@ -64,11 +64,11 @@ def expected(report, quantity, time):
     return values[0] if values else 0.0
 
 
-def component(grid, row, column):
+def component(grid, row, column, name="stress"):
     """A component of the cells' stress as VTK itself takes it out of the six that were written."""
     copy = grid.NewInstance()
     copy.ShallowCopy(grid)
-    copy.GetCellData().SetActiveTensors("stress")
+    copy.GetCellData().SetActiveTensors(name)
     to_points = vtkCellCenters()
     to_points.SetInputData(copy)
     extract = vtkExtractTensorComponents()
@@ -112,6 +112,40 @@ def patch_state(points):
     gradient = numpy.array([[1.0, 1.0, 2.0], [1.0, 2.0, 1.5], [1.0, 2.0, 3.0]]) * 1.0e-4
     strain = (gradient + gradient.T) / 2
     return points @ gradient.T, 3.0e9 * numpy.trace(strain) * numpy.eye(3) + 4.0e9 * strain
+
+
+def check_porous(check, path, report):
+    """A column with nu = 0 and biot 1 between smooth walls, through which the fluid flows steadily from its base."""
+    where = f"{path.parent.parent.name}/{path.name}"
+    grid = read_grid(path)
+    case = report["case"]
+    (material,) = case["materials"].values()
+    young, porous = material["elastic"]["young_modulus"], material["porous"]
+    height = case["mesh"]["column"]["size"][-1]
+    base = next(b["pressure"] for b in case["boundary"] if b["on"] == "bottom")
+    total = next(b["traction"]["z"] for b in case["boundary"] if b["on"] == "top")
+    mobility = porous["permeability"] / porous["viscosity"]
+    points = vtk_to_numpy(grid.GetPoints().GetData())
+    z = points[:, 2]
+    displacement = numpy.zeros_like(points)
+    displacement[:, 2] = (total * z + base * (z - z * z / (2 * height))) / young
+    data, cells = grid.GetPointData(), grid.GetCellData()
+    check.near(array(data, "displacement"), displacement, abs(displacement).max(), f"{where}: displacement")
+    check.near(array(data, "pressure")[:, 0], base * (1 - z / height), base, f"{where}: pressure")
+    centers = vtkCellCenters()
+    centers.SetInputData(grid)
+    centers.Update()
+    pressure = base * (1 - vtk_to_numpy(centers.GetOutput().GetPoints().GetData())[:, 2] / height)
+    for row, column in numpy.ndindex(3, 3):
+        axes = "xyz"[row] + "xyz"[column]
+        effective = (total + pressure) * ((row, column) == (2, 2))
+        own = effective - pressure * (row == column)
+        for name, exact in (("stress", own), ("effective_stress", effective)):
+            check.near(component(grid, row, column, name), exact, abs(total), f"{where}: {name} {axes}")
+    flux = [0.0, 0.0, porous["fluid_density"] * mobility * base / height]
+    check.near(array(cells, "fluid_flux"), flux, flux[2], f"{where}: fluid_flux")
+    porosity = 1 - (1 - porous["porosity"]) * numpy.exp(-(total + pressure) / young)
+    check.near(array(cells, "porosity")[:, 0], porosity, 1.0, f"{where}: porosity")
 
 
 def check_bulk(check, path, report, time):
@@ -176,7 +210,9 @@ def check_run(check, directory):
             path, time = directory / "fields" / entry["name"], entry["time"]
             try:
                 summary(path, time)
-                if name == "bulk":
+                if name == "bulk" and report["model"]["physics"] == "hydro_mechanics":
+                    check_porous(check, path, report)
+                elif name == "bulk":
                     check_bulk(check, path, report, time)
                 else:
                     check_interface(check, path, name, report, time, history[time])

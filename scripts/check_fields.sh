@@ -25,9 +25,15 @@ trap 'rm -rf "$scratch"' EXIT
 directories=()
 plain=(wtnv146/case wtnv146/case_2d ssnp121/case mixed_mode/case patch_bulk/case)
 second_order=(wtnv146/case_2d mixed_mode/case patch_bulk/case)
-for case in "${plain[@]}" "${second_order[@]/#/2:}" mixed:ssnp121/case; do
+porous=(porous:terzaghi/case porous2:terzaghi/case)
+# Steady flow from the base to the drained top, long after the load.
+steady=(--set boundary.0.pressure=1.0e4 --set boundary.3.traction.z=-2.0e4 --set time.instants=[1.0e14]
+    --set time.tolerance= --set expect= --set solver.tolerance=1.0e-12)
+for case in "${plain[@]}" "${second_order[@]/#/2:}" mixed:ssnp121/case "${porous[@]}"; do
     settings=()
     case $case in
+    porous:*) settings=("${steady[@]}") ;;
+    porous2:*) settings=("${steady[@]}" --set mesh.order=2) ;;
     2:*) settings=(--set mesh.order=2) ;;
     mixed:*) settings=(--set mesh.column.bodies.0.order=2) ;;
     esac

@@ -260,8 +260,25 @@ impl TangentOperator {
     }
 }
 
-impl LinearOperator for TangentOperator {
-    fn multiply(&self, x: &[f64], y: &mut [f64]) {
+impl TangentOperator {
+    /// The product with owned unknowns and what `beside` adds: it sees the displacements of all local
+    /// nodes and adds forces at them, not summed. Collective.
+    pub fn multiply_beside(
+        &self,
+        x: &[f64],
+        y: &mut [f64],
+        beside: impl FnOnce(&[f64], &mut [f64]),
+    ) {
+        let (mut force, owned) = (vec![0.0; self.unknowns_held()], y.len());
+        self.product(x, y, |u, apart| {
+            beside(u, &mut force);
+            let (own, ghosts) = force.split_at(owned);
+            apart.owned.iter_mut().zip(own).for_each(|(y, f)| *y += f);
+            apart.ghosts.iter_mut().zip(ghosts).for_each(|(y, f)| *y += f);
+        });
+    }
+
+    fn product(&self, x: &[f64], y: &mut [f64], beside: impl FnOnce(&[f64], &mut Apart<'_>)) {
         let (all, owned) = (&self.all, y.len());
         let [u, ghosts] = &mut *self.work.borrow_mut();
         u[..owned].copy_from_slice(x);
@@ -271,8 +288,15 @@ impl LinearOperator for TangentOperator {
         all.cells.add_forces_apart(u, y, ghosts);
         let mut force = Apart { owned: &mut *y, ghosts };
         self.add_law(u, &mut force);
+        beside(u, &mut force);
         self.fold_apart(force, None);
         self.for_identity_components(|own| y[own] = self.diagonal * x[own]);
+    }
+}
+
+impl LinearOperator for TangentOperator {
+    fn multiply(&self, x: &[f64], y: &mut [f64]) {
+        self.product(x, y, |_, _| {});
     }
 
     fn diagonal(&self, d: &mut [f64]) {

@@ -53,7 +53,7 @@ impl Checker<'_> {
         let (physics, flow, pressure_is_load) =
             self.physics(&file, &materials, &interfaces, &boundary);
         if self.sound(&["mesh", "materials", "interfaces"]) {
-            self.cells(&file, &mesh, &materials, &interfaces);
+            self.cells(&file, &mesh, &materials, &interfaces, flow.is_some());
         }
         if self.sound(&["boundary", "time"]) {
             self.agreement(&boundary, &time);

@@ -4,7 +4,7 @@ use super::check::Checker;
 use super::file::CaseFile;
 use super::{Case, Cells, InterfaceSpec, Material, MeshSpec};
 
-/// The largest number of displacement unknowns that 32-bit indices can number.
+/// The largest number of unknowns that 32-bit indices can number.
 const MOST_UNKNOWNS: u128 = i32::MAX as u128;
 /// Most planes between cells, of all bodies along all axes: what every rank holds of the mesh.
 const MOST_PLANES: u128 = 4_000_000;
@@ -19,6 +19,7 @@ impl Checker<'_> {
         mesh: &MeshSpec,
         materials: &[Material],
         interfaces: &[InterfaceSpec],
+        flow: bool,
     ) {
         let column = file.mesh.column.as_ref();
         if let (Cells::Bodies(bodies), true) = (&mesh.cells, column.is_some())
@@ -37,13 +38,17 @@ impl Checker<'_> {
         };
         let cuts = interfaces.len() + materials.iter().filter(|m| m.z.is_some()).count();
         let unknowns = mesh.displacement_unknowns(interfaces.len(), cuts);
+        // At most one pressure for each node.
+        let pressures = |n: u128| if flow { n / self.dim as u128 } else { 0 };
+        let unknowns = unknowns.and_then(|n| n.checked_add(pressures(n)));
         let planes = mesh.planes(interfaces.len(), cuts);
         let what = if unknowns.is_none_or(|n| n > MOST_UNKNOWNS) {
             format!(
-                "unknowns: {} have up to {} displacement components; at most {MOST_UNKNOWNS} can \
+                "unknowns: {} have up to {} displacement components{}; at most {MOST_UNKNOWNS} can \
                  be numbered",
                 mesh.cell_words(),
-                count(unknowns)
+                count(unknowns),
+                if flow { " and pressures" } else { "" }
             )
         } else if planes.is_none_or(|n| n > MOST_PLANES) {
             format!(

@@ -9,7 +9,7 @@ use crate::case::{self, Case, read_text};
 use crate::error::{Error, Result};
 use crate::interface::Sides;
 use crate::mesh::{Column, LocalMesh};
-use crate::solve::memory::memory;
+use crate::solve::memory::{memory, pressures};
 use crate::solve::{LinearChoice, strength_factors};
 use crate::space::{AtNode, Prescribed, PrescribedPressure};
 
@@ -35,7 +35,7 @@ pub fn check(path: &Path, overrides: &[String]) -> Result<String> {
 /// `Input` when a formula gives no number somewhere, or values disagree.
 pub fn describe(case: &Case) -> Result<String> {
     let column = Column::new(case)?;
-    let unknowns = column.nodes() * case.dim as u64;
+    let unknowns = column.nodes() * case.dim as u64 + pressures(case, &column);
     let choice = LinearChoice::new(case, &column);
     if column.nodes() <= MOST_NODES {
         let nodes: Vec<u64> = (0..column.nodes()).collect();
@@ -60,7 +60,7 @@ pub fn describe(case: &Case) -> Result<String> {
         });
         strength_factors(case, &column, secondary).map_err(|AtNode(_, error)| error)?;
     }
-    let bytes = memory(choice.preset, &column, 1);
+    let bytes = memory(choice.preset, case, &column, 1);
     let mut text = format!("{}\n", case.title);
     let mut line = |name: &str, what: String| {
         writeln!(text, "{name:<10} {what}").map_err(|e| Error::Bug(format!("check: {e}")))

@@ -27,7 +27,7 @@ pub fn check(
     directory: &Path,
 ) -> Result<()> {
     let ranks = comm.size() as usize;
-    let need = memory(choice.preset, column, ranks) / ranks as f64;
+    let need = memory(choice.preset, case, column, ranks) / ranks as f64;
     let mine = rustix::system::uname().nodename().to_string_lossy().into_owned();
     let names = comm.exchange(&vec![mine.clone().into_bytes(); ranks]);
     let mut nodes: BTreeMap<&[u8], usize> = BTreeMap::new();
@@ -37,7 +37,7 @@ pub fn check(
     let here = nodes.get(mine.as_bytes()).copied().unwrap_or(1);
     let local = match available() {
         Some(bytes) if need * here as f64 > USABLE * bytes => {
-            Err(Error::Input(too_large(column, choice, (ranks, here), bytes)))
+            Err(Error::Input(too_large(case, column, choice, (ranks, here), bytes)))
         }
         _ => Ok(()),
     };
@@ -58,13 +58,14 @@ pub fn check(
 
 /// What is wrong and what would fit, in words.
 fn too_large(
+    case: &Case,
     column: &Column,
     choice: &LinearChoice,
     (ranks, here): (usize, usize),
     available: f64,
 ) -> String {
     let preset = choice.preset;
-    let need = memory(preset, column, ranks) * here as f64 / ranks as f64;
+    let need = memory(preset, case, column, ranks) * here as f64 / ranks as f64;
     let mut text = format!(
         "solver.linear: {preset} needs about {} on a node with {here} of {ranks} ranks, and {} are \
          available there",
@@ -72,13 +73,14 @@ fn too_large(
         size(available)
     );
     // More nodes of this kind, each with as many ranks as this one.
-    let fits =
-        |nodes: usize| memory(preset, column, nodes * here) / nodes as f64 <= USABLE * available;
+    let fits = |nodes: usize| {
+        memory(preset, case, column, nodes * here) / nodes as f64 <= USABLE * available
+    };
     let nodes = (2..=4096).find(|nodes| fits(*nodes));
     if let Some(nodes) = nodes {
         text += &format!("; it would fit on {nodes} such nodes, {} ranks in all", nodes * here);
     }
-    let lighter = memory(MULTIGRID, column, ranks) * here as f64 / ranks as f64;
+    let lighter = memory(MULTIGRID, case, column, ranks) * here as f64 / ranks as f64;
     if preset != MULTIGRID && lighter <= USABLE * available {
         text += &format!("; solver.linear: {MULTIGRID} would need about {}", size(lighter));
     }
@@ -99,8 +101,17 @@ pub fn disk(case: &Case, column: &Column) -> f64 {
     let per_cell = (0..column.bodies()).map(|b| column.shape(b).nodes()).max().unwrap_or(8) as f64;
     // Position and name; connectivity, offset, type, name, material, rank.
     let grid = if instants > 0 { nodes * 32.0 + cells * (8.0 * per_cell + 25.0) } else { 0.0 };
-    let data = nodes * 24.0 + cells * 48.0;
-    let checkpoints = 2.0 * nodes * 16.0 * column.dim as f64;
+    // Displacement; stress. Pressure; effective stress. Flux and porosity.
+    let mut data = nodes * 24.0 + cells * 48.0;
+    let mut row = 16.0 * column.dim as f64;
+    if case.has_pressure() {
+        data += nodes * 8.0 + cells * 48.0;
+    }
+    if case.flow.is_some() {
+        data += cells * 32.0;
+        row += 16.0;
+    }
+    let checkpoints = 2.0 * nodes * row;
     let history = (case.time.len() * case.columns().len()) as f64 * 25.0;
     grid + instants as f64 * data + checkpoints + history
 }

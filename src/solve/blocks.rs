@@ -187,12 +187,12 @@ impl Blocks {
         p
     }
 
-    /// Adds Q p to forces on owned components, `factor` times. Collective.
-    fn add_forces(&self, p: &[f64], factor: f64, y: &mut [f64]) {
+    /// Adds Q p to forces on owned components. Collective.
+    fn add_forces(&self, p: &[f64], y: &mut [f64]) {
         let mut force = vec![0.0; self.tangent.unknowns_held()];
         self.pores.add_forces(self.tangent.discretization(), p, false, &mut force);
         self.tangent.fold(&mut force, None);
-        y.iter_mut().zip(&force).for_each(|(y, f)| *y += factor * f);
+        y.iter_mut().zip(&force).for_each(|(y, f)| *y += f);
     }
 }
 
@@ -203,20 +203,22 @@ impl LinearOperator for Operator {
     fn multiply(&self, x: &[f64], y: &mut [f64]) {
         let Self(blocks) = self;
         let ((xu, xp), (yu, yp)) = (x.split_at(blocks.split), y.split_at_mut(blocks.split));
-        blocks.tangent.multiply(xu, yu);
         if blocks.is_coupled() {
-            let p = blocks.pressures(xp);
-            blocks.add_forces(&p, -1.0, yu);
-            let mut u = vec![0.0; blocks.tangent.unknowns_held()];
-            u[..xu.len()].copy_from_slice(xu);
-            blocks.tangent.expand(&mut u);
             let (all, pores) = (blocks.tangent.discretization(), &blocks.pores);
+            let p = blocks.pressures(xp);
             let mut rows = vec![0.0; p.len()];
-            pores.add_volumes(all, &u, &mut rows);
+            let minus: Vec<f64> = p.iter().map(|p| -p).collect();
+            // Within the product, which has the displacements of all local nodes and sums the forces.
+            blocks.tangent.multiply_beside(xu, yu, |u, force| {
+                pores.add_forces(all, &minus, false, force);
+                pores.add_volumes(all, u, &mut rows);
+                blocks.films.borrow().add_product(&pores.films, all, (u, &p), &mut rows);
+            });
             pores.add_product(&blocks.compressibility.borrow(), &p, &mut rows);
-            blocks.films.borrow().add_product(&pores.films, all, (&u, &p), &mut rows);
-            blocks.pores.fold(&mut rows);
+            pores.fold(&mut rows);
             yp.iter_mut().zip(&rows).for_each(|(y, row)| *y = -blocks.scale * row);
+        } else {
+            blocks.tangent.multiply(xu, yu);
         }
         blocks.for_identity_rows(|node| yp[node] = blocks.diagonal * xp[node]);
     }
@@ -242,7 +244,7 @@ impl LinearOperator for Preconditioner {
         zp.iter_mut().for_each(|z| *z = -*z);
         blocks.for_identity_rows(|node| zp[node] = rp[node] / blocks.diagonal);
         let mut force = ru.to_vec();
-        blocks.add_forces(&blocks.pressures(zp), 1.0, &mut force);
+        blocks.add_forces(&blocks.pressures(zp), &mut force);
         blocks.mechanics.borrow_mut().apply(&force, zu);
     }
 }

@@ -1,9 +1,10 @@
 //! Memory that a run will need, before it starts.
 //!
 //! Measured on columns and cubes of 10 000 to 530 000 unknowns: within 30 % of the largest resident
-//! memory with every preset on 1 and 2 ranks.
+//! memory with every preset on 1 and 2 ranks; with flow on squares and cubes of 13 000 to 150 000.
 
 use super::linear::MULTIGRID;
+use crate::case::Case;
 use crate::mesh::Column;
 
 /// What a rank has before its share of the problem: libraries, mostly (bytes).
@@ -27,21 +28,37 @@ const POWER: f64 = 0.45;
 /// Rows of second order are fuller.
 const FACTORS_OF_SECOND_ORDER: f64 = 1.25;
 
+/// Flow takes so many bytes per pressure, 2D and 3D, most of them for the multigrid of its block, and for
+/// the vectors of GMRES so many per displacement.
+const PER_PRESSURE: [f64; 2] = [900.0, 2600.0];
+const PER_VECTORS: f64 = 140.0;
+
+/// Pressures that are unknown, at most: as if all cells were porous.
+pub fn pressures(case: &Case, column: &Column) -> u64 {
+    if case.flow.is_some() { column.of_first_order().nodes() } else { 0 }
+}
+
 /// The memory of all ranks, about (bytes).
-pub fn memory(preset: &str, column: &Column, ranks: usize) -> f64 {
-    let unknowns = column.nodes() as f64 * column.dim as f64;
+pub fn memory(preset: &str, case: &Case, column: &Column, ranks: usize) -> f64 {
+    let displacements = column.nodes() as f64 * column.dim as f64;
+    let pressures = pressures(case, column) as f64;
     let (flat, second) = (column.dim == 2, column.highest_order() == 2);
     let kind = 2 * usize::from(second) + usize::from(!flat);
     let listed = PER_UNKNOWN.iter().find(|(name, _)| *name == preset);
-    let one = listed.map_or_else(
-        || {
-            let rows = FACTORS[usize::from(!flat)] * smallest_section(column).powf(POWER);
-            rows * if second { FACTORS_OF_SECOND_ORDER } else { 1.0 }
-        },
-        |(_, bytes)| bytes[kind],
-    );
     let shared = SHARED.iter().find(|(name, _)| *name == preset && ranks > 1);
-    PER_RANK * ranks as f64 + unknowns * one * shared.map_or(1.0, |(_, factor)| *factor)
+    let shared = shared.map_or(1.0, |(_, factor)| *factor);
+    let solver = if let Some((_, bytes)) = listed {
+        let vectors = if pressures > 0.0 { PER_VECTORS } else { 0.0 };
+        let beside = pressures * PER_PRESSURE[usize::from(!flat)] + displacements * vectors;
+        displacements * bytes[kind] * shared + beside
+    } else {
+        // Both fields are eliminated together: pressures lengthen the rows and the sections.
+        let longer = 1.0 + pressures / displacements;
+        let rows = FACTORS[usize::from(!flat)] * (longer * smallest_section(column)).powf(POWER);
+        let rows = rows * if second { FACTORS_OF_SECOND_ORDER } else { 1.0 };
+        (displacements + pressures) * rows * shared
+    };
+    PER_RANK * ranks as f64 + solver
 }
 
 /// Unknowns of the smallest plane section across an axis.
