@@ -227,7 +227,11 @@ fn e14_iterations_do_not_know_the_units() {
             let run = scene(length, force);
             let counts = ["newton_iterations", "linear_iterations"].map(|c| run.column(c));
             rows.push(json!([solver, name, sum(&counts[0]), sum(&counts[1])]));
-            assert_eq!(counts, ["newton_iterations", "linear_iterations"].map(|c| first.column(c)));
+            assert_eq!(counts[0], first.column("newton_iterations"), "{}", run.label);
+            // A residual that is at its bound but for rounding may take one iteration more.
+            for (mine, theirs) in first.column("linear_iterations").iter().zip(&counts[1]) {
+                assert!((mine - theirs).abs() <= 1.0, "{}: {mine} and {theirs}", run.label);
+            }
             let scale = force / (length * length);
             for (mine, theirs) in first
                 .column("joint.normal_traction.mean")
