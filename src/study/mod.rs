@@ -3,11 +3,13 @@
 //! A study process is serial: it starts neither MPI nor PETSc, and launches every run as a process of
 //! its own.
 
+mod chart;
 mod charts;
 mod check;
 mod file;
 mod launch;
 mod measure;
+mod page;
 mod plan;
 mod record;
 mod spec;
@@ -218,6 +220,13 @@ impl Session<'_> {
         table::write_table(self.study, self.plan, &rows, &self.directory.join(TABLE))?;
         let everything = self.directory.join(EVERYTHING);
         table::write_everything(self.study, self.plan, &rows, &records, &everything)?;
+        let charts = self.directory.join(CHARTS);
+        fs::create_dir_all(&charts)
+            .map_err(|cause| Error::file("cannot create", &charts, cause))?;
+        let draw = |chart| chart::draw(self.study, self.plan, &rows, chart, &charts);
+        let drawn: Vec<chart::Drawn> = self.study.charts.iter().map(draw).collect::<Result<_>>()?;
+        let page = page::page(self.study, self.plan, &rows, &drawn);
+        atomic::write_text(&self.directory.join(PAGE), &page)?;
         let count = |wanted: &dyn Fn(Option<Ended>) -> bool| {
             rows.iter().filter(|row| wanted(row.status)).count()
         };

@@ -157,6 +157,11 @@ impl Study {
         Checker { tree: &tree, path, problems }.study(file, text)
     }
 
+    /// Name and unit of a measure.
+    pub fn label_of(&self, measure: &str) -> String {
+        self.label(&Quantity::Measure(measure.to_owned()))
+    }
+
     /// Name and unit of a quantity, for charts.
     pub fn label(&self, quantity: &Quantity) -> String {
         let with = |name: &str, unit: Option<&str>| match unit {

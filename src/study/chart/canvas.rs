@@ -108,7 +108,14 @@ impl<B: DrawingBackend> Canvas<'_, B> {
     }
 
     /// Text of a height.
-    pub fn text(&self, text: &str, at: (f64, f64), height: f64, color: RGBColor, anchor: Anchor) -> Drawn {
+    pub fn text(
+        &self,
+        text: &str,
+        at: (f64, f64),
+        height: f64,
+        color: RGBColor,
+        anchor: Anchor,
+    ) -> Drawn {
         let (h, v) = match anchor {
             Anchor::Left => (HPos::Left, VPos::Center),
             Anchor::Center | Anchor::Upwards => (HPos::Center, VPos::Center),

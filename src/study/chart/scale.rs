@@ -78,8 +78,12 @@ fn log_marks(low: f64, high: f64) -> Vec<f64> {
         return decades.into_iter().step_by(stride).collect();
     }
     // As many as there is room for.
-    let finer: [&[f64]; 4] =
-        [&[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0], &[1.0, 2.0, 3.0, 5.0], &[1.0, 2.0, 5.0], &[1.0, 3.0]];
+    let finer: [&[f64]; 4] = [
+        &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
+        &[1.0, 2.0, 3.0, 5.0],
+        &[1.0, 2.0, 5.0],
+        &[1.0, 3.0],
+    ];
     let fitting = finer.iter().map(|factors| inside(factors)).find(|m| m.len() <= MOST_MARKS);
     fitting.unwrap_or(decades)
 }
@@ -136,7 +140,10 @@ mod tests {
 
     #[test]
     fn every_axis_has_marks_that_can_be_read() {
-        assert_eq!(texts(&Scale::Log(0.9e-6, 1.1)), ["10⁻⁶", "10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "10⁰"]);
+        assert_eq!(
+            texts(&Scale::Log(0.9e-6, 1.1)),
+            ["10⁻⁶", "10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "10⁰"]
+        );
         assert_eq!(texts(&Scale::Linear(0.0, 1.06)), ["0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
         assert_eq!(texts(&Scale::Names(vec!["a".into(), "b".into()])), ["a", "b"]);
         for (low, high) in [(1e-12, 1e9), (3.0, 3.1), (0.02, 0.5), (1e5, 2e6)] {
