@@ -110,10 +110,12 @@ impl Plan {
 
     fn check(&self, study: &Study) -> Result<()> {
         // Mistakes by place and text, each with the first run that has it and how many more do.
-        let mut found: BTreeMap<(Origin, String), (String, usize)> = BTreeMap::new();
+        let mut found: BTreeMap<(Origin, String), (String, String, usize)> = BTreeMap::new();
         let mut add = |origin, text: String, run: &Run| {
-            let entry = found.entry((origin, text)).or_insert_with(|| (run.name.clone(), 0));
-            entry.1 += 1;
+            // Hints in brackets may differ from run to run.
+            let kind = text.split(" (known: ").next().unwrap_or_default().to_owned();
+            let entry = found.entry((origin, kind)).or_insert_with(|| (text, run.name.clone(), 0));
+            entry.2 += 1;
         };
         let mut elsewhere = BTreeSet::new();
         for run in &self.runs {
@@ -158,7 +160,7 @@ impl Plan {
             }
         }
         let mut lines: Vec<String> = Vec::new();
-        for ((origin, text), (run, count)) in found {
+        for ((origin, _), (text, run, count)) in found {
             let more = if count > 1 { format!(", and {} more", count - 1) } else { String::new() };
             let run = if run.is_empty() { "the base case" } else { &run };
             lines.push(placed(&study.path, origin, &format!("{text} (run {run}{more})")));

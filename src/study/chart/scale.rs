@@ -56,7 +56,7 @@ impl Scale {
             Scale::Log(low, high) => log_marks(*low, *high),
             Scale::Linear(low, high) => linear_marks(*low, *high),
         };
-        let powers = matches!(self, Scale::Log(low, high) if *low < 0.9e-3 || *high > 1.1e5);
+        let powers = matches!(self, Scale::Log(low, high) if *low < 0.9e-3 || *high > 5e4);
         let step = numbers.windows(2).map(|p| p[1] - p[0]).fold(f64::INFINITY, f64::min);
         let text = |v: f64| match self {
             Scale::Log(..) => plain_or_power(v, powers),
