@@ -49,7 +49,7 @@ pub(super) fn draw(
         }
         Kind::Lines => {
             let (figure, front) = rows.lines();
-            (svg(&figure)?, png(&figure)?, Vec::new(), front)
+            (svg(&figure)?, png(&figure)?, rows.left_out(), front)
         }
         Kind::StrongScaling | Kind::WeakScaling => {
             let (figure, remarks) = rows.scaling();
@@ -194,6 +194,23 @@ impl Rows<'_> {
         };
         let runs = front.into_iter().map(|(run, _)| run).collect();
         (Panels { title: self.chart.title.clone(), panels: vec![panel] }, runs)
+    }
+
+    /// What a logarithmic scale has no place for, in words.
+    fn left_out(&self) -> Vec<String> {
+        let axes = [(&self.chart.x, self.chart.log[0]), (&self.chart.y, self.chart.log[1])];
+        let zero = |row: &&&Row| {
+            let none = |(of, log): &(&Quantity, bool)| {
+                *log && self.is_numbered(of) && self.value(row, of).is_some_and(|v| v <= 0.0)
+            };
+            row.has_results() && axes.iter().any(none)
+        };
+        let names: Vec<&str> =
+            self.rows.iter().filter(zero).map(|row| &*self.plan.runs[row.run].name).collect();
+        if names.is_empty() {
+            return Vec::new();
+        }
+        vec![format!("Not shown, since 0 or less has no place on the scale: {}.", names.join("; "))]
     }
 
     /// Time on the left, efficiency on the right; the first number of ranks is what others are

@@ -198,7 +198,10 @@ impl Panel {
             for point in line.points.iter().filter_map(|p| at(*p)) {
                 marker(canvas, point, style)?;
             }
+            // Side by side, where runs of several lines failed at one place.
+            let shift = 7.0 * (style as f64 - 0.5 * (self.lines.len() as f64 - 1.0));
             for x in line.failed.iter().filter_map(|x| x_at(*x)) {
+                let x = (x + shift).clamp(left, right);
                 cross(canvas, (x, top), COLORS[style % COLORS.len()])?;
             }
         }
