@@ -31,7 +31,7 @@ const MARKERS: usize = 5;
 pub(crate) struct Line {
     /// In the legend; nothing there if it is empty.
     pub name: String,
-    /// With rising x.
+    /// In the order in which they are joined.
     pub points: Vec<(f64, f64)>,
     /// Ranges of y at some x.
     pub spreads: Vec<(f64, f64, f64)>,
