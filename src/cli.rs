@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::study::Request;
+
 /// What the user asks for.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Command {
@@ -11,6 +13,8 @@ pub enum Command {
     Run(RunOptions),
     /// Read and check a case, say what will be modelled; solve nothing.
     Check(CheckOptions),
+    /// Run a family of cases and chart them.
+    Study(Request),
     /// Print the JSON Schema of the case file.
     Schema,
 }
@@ -67,6 +71,47 @@ pub struct CheckOptions {
     pub overrides: Vec<String>,
 }
 
+/// Options of `study`.
+#[derive(Debug, Clone, PartialEq, Eq, Args)]
+struct StudyOptions {
+    /// The study file
+    #[arg(value_name = "STUDY.yaml")]
+    study: PathBuf,
+    /// The output directory, instead of the study's
+    #[arg(long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Go on: runs that are finished are not run again
+    #[arg(long)]
+    resume: bool,
+    /// Replace the study in the output directory
+    #[arg(long, conflicts_with_all = ["resume", "part", "charts_only"])]
+    overwrite: bool,
+    /// Run the K-th of N shares only, and draw nothing; for the tasks of an array of jobs
+    #[arg(long, value_name = "K/N", value_parser = share, conflicts_with = "charts_only")]
+    part: Option<(usize, usize)>,
+    /// List the runs; launch none
+    #[arg(long)]
+    dry_run: bool,
+    /// Draw what finished runs have left; launch none
+    #[arg(long)]
+    charts_only: bool,
+}
+
+/// `K/N` with K from 1 to N.
+fn share(text: &str) -> Result<(usize, usize), String> {
+    let numbers = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
+    numbers
+        .filter(|(k, n): &(usize, usize)| (1..=*n).contains(k))
+        .ok_or_else(|| "must be K/N with K from 1 to N".to_owned())
+}
+
+impl From<StudyOptions> for Request {
+    fn from(options: StudyOptions) -> Self {
+        let StudyOptions { study, output, resume, overwrite, part, dry_run, charts_only } = options;
+        Request { study, output, resume, overwrite, part, dry_run, charts_only }
+    }
+}
+
 /// Finite elements for columns and blocks crossed by cohesive interfaces.
 ///
 /// `column-hpc CASE.yaml` is the same as `column-hpc run CASE.yaml`.
@@ -89,12 +134,8 @@ enum Word {
     Run(RunOptions),
     /// Read and check a case, say what will be modelled; solve nothing
     Check(CheckOptions),
-    /// Run a family of cases (not yet available)
-    #[command(hide = true)]
-    Study {
-        #[arg(allow_hyphen_values = true, trailing_var_arg = true)]
-        rest: Vec<String>,
-    },
+    /// Run a family of cases and chart them
+    Study(StudyOptions),
     /// Print the JSON Schema of the case file
     Schema,
 }
@@ -112,7 +153,7 @@ pub fn parse(args: Vec<String>) -> Result<Command, Exit> {
     match (line.command, line.run) {
         (Some(Word::Check(options)), _) => Ok(Command::Check(options)),
         (Some(Word::Schema), _) => Ok(Command::Schema),
-        (Some(Word::Study { .. }), _) => Err(wrong("study is not yet available")),
+        (Some(Word::Study(options)), _) => Ok(Command::Study(options.into())),
         (Some(Word::Run(options)), _) | (None, Some(options)) => run(options),
         (None, None) => Err(wrong("a case file is missing; see column-hpc --help")),
     }
@@ -164,6 +205,20 @@ mod tests {
     }
 
     #[test]
+    fn a_study_is_a_command() {
+        let Ok(Command::Study(request)) = line("study s.yaml --part 2/3 --output out") else {
+            panic!()
+        };
+        let expected = Request {
+            study: "s.yaml".into(),
+            output: Some("out".into()),
+            part: Some((2, 3)),
+            ..Request::default()
+        };
+        assert_eq!(request, expected);
+    }
+
+    #[test]
     fn a_wrong_command_line_ends_with_status_2_and_words() {
         for (words, expected) in [
             ("case.yaml --ouput x", "a similar argument exists: '--output'"),
@@ -171,7 +226,9 @@ mod tests {
             ("case.yaml other.yaml", "unexpected argument 'other.yaml'"),
             ("check", "CASE.yaml"),
             ("--quiet", "CASE.yaml"),
-            ("study study.yaml --x", "study is not yet available"),
+            ("study", "STUDY.yaml"),
+            ("study study.yaml --part 3/2", "K from 1 to N"),
+            ("study study.yaml --resume --overwrite", "cannot be used with"),
             ("case.yaml --restart latest --overwrite", "cannot be used with"),
         ] {
             let exit = line(words).expect_err(words);

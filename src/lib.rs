@@ -23,5 +23,6 @@ pub mod multigrid;
 pub mod solve;
 pub mod output;
 pub mod report;
+pub mod study;
 pub mod cli;
 pub mod run;

@@ -95,3 +95,34 @@ done
 [ -s "$scratch/one/history.csv" ] && [ -s "$scratch/two/history.csv" ] || fail "a task wrote nothing"
 SLURM_ARRAY_TASK_ID=3 bash scripts/slurm/array.sbatch "$scratch/list" >"$scratch/log" 2>&1 && fail "there is no third line"
 printf 'slurm: an array of two cases\n'
+
+# A study in two shares and its charts; the list of the scaling job.
+unset LAUNCHER
+cat >"$scratch/case.yaml" <<'CASE'
+mesh: {column: {size: [1, 1, 5], cells: [1, 1, 6]}}
+materials: {rock: {elastic: {young_modulus: 5.8e9, poisson_ratio: 0}}}
+boundary:
+  - {on: bottom, displacement: {x: 0, y: 0, z: 0}}
+  - {on: top, displacement: {x: 0, y: 0, z: 1.0e-4}}
+time: {instants: [1]}
+CASE
+cat >"$scratch/study.yaml" <<'STUDY'
+base: case.yaml
+axes: [{name: order, key: mesh.order, values: [1, 2]}, {name: ranks, ranks: [1, 2]}]
+charts: [{name: strong, kind: strong_scaling, series: [order]}]
+STUDY
+for task in 1 2; do
+    SLURM_ARRAY_TASK_ID=$task SLURM_ARRAY_TASK_COUNT=2 bash scripts/slurm/study.sbatch "$scratch/study.yaml" "$scratch/study" \
+        >"$scratch/log" 2>&1 || fail "task $task of study.sbatch ended with status $?"
+done
+[ ! -e "$scratch/study/study.html" ] || fail "a share drew"
+bash scripts/slurm/study.sbatch "$scratch/study.yaml" "$scratch/study" --charts-only >"$scratch/log" 2>&1 ||
+    fail "study.sbatch --charts-only ended with status $?"
+[ "$(grep -c ',done,' "$scratch/study/study.csv")" -eq 4 ] || fail "the shares do not add up"
+[ -s "$scratch/study/charts/strong.png" ] || fail "there is no chart"
+bash scripts/slurm/scaling.sbatch "$scratch/scaling" "$scratch/study.yaml" >"$scratch/log" 2>&1 ||
+    fail "scaling.sbatch ended with status $?"
+[ -s "$scratch/scaling/study/study.html" ] || fail "scaling.sbatch drew nothing"
+DRY_RUN=1 bash scripts/slurm/scaling.sbatch "$scratch/none" >"$scratch/log" 2>&1 || fail "the dry run failed"
+grep -q 'study cases/studies/weak_scaling.yaml' "$scratch/log" || fail "the dry run does not name the study"
+printf 'slurm: a study in two shares, and a scaling job\n'

@@ -66,7 +66,7 @@ fn every_of(text: &str) -> Result<Every, String> {
 }
 
 /// A length of time in seconds: `90 s`, `10 min`, `2 h` or `HH:MM:SS`.
-fn seconds(text: &str) -> Result<f64, String> {
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     let wrong = || format!("must be like 10 min, 90 s, 2 h or 23:30:00, got `{text}`");
     let text = text.trim();
     let units = [("min", 60.0), ("s", 1.0), ("h", 3600.0)];

@@ -9,18 +9,18 @@ mod fluid;
 mod formula;
 mod initial;
 mod interface;
-mod limits;
+pub(crate) mod limits;
 mod loads;
 mod material;
 mod mesh;
 mod output;
-mod problems;
+pub(crate) mod problems;
 mod results;
-mod schema;
+pub(crate) mod schema;
 mod size;
 mod solver;
 mod supports;
-mod tree;
+pub(crate) mod tree;
 mod value;
 
 pub use crate::law::LawSpec;
@@ -276,23 +276,28 @@ fn sections(tree: &Node, broken: &BTreeSet<String>) -> serde_json::Value {
 /// # Errors
 /// [`Error::Input`] when it is missing, unreadable, a directory, too large or not UTF-8.
 pub fn read_text(path: &Path) -> Result<String> {
+    read_text_of("case file", path)
+}
+
+/// As [`read_text`], for another kind of file.
+pub(crate) fn read_text_of(kind: &str, path: &Path) -> Result<String> {
     let refuse = |reason: String| Error::Input(format!("{}: {reason}", path.display()));
     let unreadable = |error: std::io::Error| match error.kind() {
-        std::io::ErrorKind::NotFound => refuse("there is no such case file".to_owned()),
-        _ => refuse(format!("the case file cannot be read: {error}")),
+        std::io::ErrorKind::NotFound => refuse(format!("there is no such {kind}")),
+        _ => refuse(format!("the {kind} cannot be read: {error}")),
     };
     let about = std::fs::metadata(path).map_err(unreadable)?;
     if about.is_dir() {
-        return Err(refuse("is a directory; name the case file in it".to_owned()));
+        return Err(refuse(format!("is a directory; name the {kind} in it")));
     }
     // The limit holds for pipes too, whose length is not known beforehand.
     let mut bytes = Vec::new();
     let file = std::fs::File::open(path).map_err(unreadable)?;
     file.take(LARGEST + 1).read_to_end(&mut bytes).map_err(unreadable)?;
     if bytes.len() as u64 > LARGEST {
-        return Err(refuse(format!("the case file is larger than {LARGEST} bytes")));
+        return Err(refuse(format!("the {kind} is larger than {LARGEST} bytes")));
     }
-    String::from_utf8(bytes).map_err(|_| refuse("the case file is not UTF-8 text".to_owned()))
+    String::from_utf8(bytes).map_err(|_| refuse(format!("the {kind} is not UTF-8 text")))
 }
 
 #[cfg(test)]

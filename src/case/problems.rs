@@ -14,7 +14,7 @@ const SOUGHT: usize = 1000;
 const SHOWN: usize = 200;
 
 /// Collects mistakes with their places.
-pub(super) struct Problems<'a> {
+pub(crate) struct Problems<'a> {
     path: &'a Path,
     overrides: &'a [String],
     list: BTreeSet<(Origin, String)>,
@@ -71,14 +71,14 @@ impl<'a> Problems<'a> {
 }
 
 /// The beginning of what was written, for messages.
-pub(super) fn shortened(text: &str) -> String {
+pub(crate) fn shortened(text: &str) -> String {
     let shown: String = text.chars().take(SHOWN).collect();
     let more = if shown.len() < text.len() { "..." } else { "" };
     format!("{shown}{more}")
 }
 
 /// The known name that a misspelt one most likely means.
-pub(super) fn nearest<'a>(name: &str, known: &'a [String]) -> Option<&'a String> {
+pub(crate) fn nearest<'a>(name: &str, known: &'a [String]) -> Option<&'a String> {
     known
         .iter()
         .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
@@ -91,7 +91,7 @@ pub(super) fn nearest<'a>(name: &str, known: &'a [String]) -> Option<&'a String>
 
 /// `; did you mean `x`?` where a known name is near, then all known names; of the statistics of
 /// an interface quantity the quantity alone.
-pub(super) fn suggestion(name: &str, known: &[String]) -> String {
+pub(crate) fn suggestion(name: &str, known: &[String]) -> String {
     let nearest = nearest(name, known)
         .map(|candidate| format!("; did you mean `{candidate}`?"))
         .unwrap_or_default();

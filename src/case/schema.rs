@@ -20,11 +20,7 @@ pub fn schema() -> Json {
     SCHEMA.clone()
 }
 
-static SCHEMA: LazyLock<Json> = LazyLock::new(|| {
-    let mut schema = schemars::schema_for!(CaseFile).to_value();
-    without_null(&mut schema);
-    schema
-});
+static SCHEMA: LazyLock<Json> = LazyLock::new(schema_of::<CaseFile>);
 
 /// Takes null away wherever it stands for a key that is left out: in a case file such a key is
 /// not written at all.
@@ -59,20 +55,39 @@ fn without_null(schema: &mut Json) {
 /// Checks a tree against the schema, takes unknown and repeated keys out of it, and returns the
 /// sections that cannot be read.
 pub(super) fn check(tree: &mut Node, problems: &mut Problems) -> BTreeSet<String> {
-    let mut walk = Walk { problems, broken: BTreeSet::new() };
-    walk.node(&SCHEMA, tree, "");
+    check_against(&SCHEMA, "the case", tree, problems)
+}
+
+/// As [`check`], for another kind of file; `whole` is what messages call it.
+pub(crate) fn check_against(
+    root: &'static Json,
+    whole: &'static str,
+    tree: &mut Node,
+    problems: &mut Problems,
+) -> BTreeSet<String> {
+    let mut walk = Walk { root, whole, problems, broken: BTreeSet::new() };
+    walk.node(root, tree, "");
     walk.broken
 }
 
+/// The schema of a file whose sections are of this type.
+pub(crate) fn schema_of<T: schemars::JsonSchema>() -> Json {
+    let mut schema = schemars::schema_for!(T).to_value();
+    without_null(&mut schema);
+    schema
+}
+
 struct Walk<'a, 'p> {
+    root: &'static Json,
+    whole: &'static str,
     problems: &'a mut Problems<'p>,
     broken: BTreeSet<String>,
 }
 
 /// What a reference refers to.
-fn resolve(mut schema: &'static Json) -> &'static Json {
+fn resolve(root: &'static Json, mut schema: &'static Json) -> &'static Json {
     while let Some(name) = schema["$ref"].as_str() {
-        schema = &SCHEMA["$defs"][name.trim_start_matches("#/$defs/")];
+        schema = &root["$defs"][name.trim_start_matches("#/$defs/")];
     }
     schema
 }
@@ -82,7 +97,7 @@ impl Walk<'_, '_> {
     fn breaks(&mut self, node: &Node, path: &str, reason: &str) {
         let section = path.split('.').next().unwrap_or_default();
         self.broken.insert(section.to_owned());
-        let subject = if path.is_empty() { "the case" } else { path };
+        let subject = if path.is_empty() { self.whole } else { path };
         self.problems.at(node.origin, format!("{subject} {reason}"));
     }
 
@@ -90,7 +105,7 @@ impl Walk<'_, '_> {
         if self.problems.is_full() {
             return;
         }
-        let schema = resolve(schema);
+        let schema = resolve(self.root, schema);
         if node.data == Data::Empty && *schema != Json::Bool(true) {
             return self.breaks(node, path, "has no value");
         }
@@ -180,7 +195,7 @@ impl Walk<'_, '_> {
                 self.node(inner, &mut entry.node, &here);
             } else if schema["additionalProperties"].is_object() {
                 self.node(&schema["additionalProperties"], &mut entry.node, &here);
-            } else {
+            } else if schema["additionalProperties"] != Json::Bool(true) {
                 let hint = suggestion(&entry.key, &known);
                 let here = shortened(&here);
                 self.problems.at(entry.origin, format!("{here} is not a known key{hint}"));
@@ -213,7 +228,8 @@ impl Walk<'_, '_> {
 
     /// One of several forms: words, numbers, lists, and sections told apart by their keys.
     fn choice(&mut self, choices: &'static [Json], node: &mut Node, path: &str) {
-        let choices: Vec<&'static Json> = choices.iter().map(resolve).collect();
+        let choices: Vec<&'static Json> =
+            choices.iter().map(|one| resolve(self.root, one)).collect();
         let words: Vec<String> = choices.iter().filter_map(|one| words_of(one)).flatten().collect();
         if let (Data::Text(_), false) = (&node.data, words.is_empty()) {
             return self.word(&words, node, path);

@@ -19,7 +19,7 @@ const LONGEST_TEXT: usize = 4096;
 
 /// Where a part of the tree was written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Origin {
+pub(crate) enum Origin {
     /// Line and column in the file, from 1.
     File(u64, u64),
     /// The position of a `--set` in the list of overrides.
@@ -27,13 +27,13 @@ pub(super) enum Origin {
 }
 
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Node {
+pub(crate) struct Node {
     pub data: Data,
     pub origin: Origin,
 }
 
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Data {
+pub(crate) enum Data {
     Empty,
     Flag(bool),
     Integer(i64),
@@ -44,7 +44,7 @@ pub(super) enum Data {
 }
 
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Entry {
+pub(crate) struct Entry {
     pub key: String,
     pub origin: Origin,
     pub node: Node,
@@ -52,14 +52,14 @@ pub(super) struct Entry {
 
 /// Why a text is no tree, with line and column where they are known.
 #[derive(Debug)]
-pub(super) struct SyntaxError {
+pub(crate) struct SyntaxError {
     pub place: Option<(u64, u64)>,
     pub reason: String,
 }
 
 /// Reads YAML. Repeated keys and numbers that are not finite stay in the tree, so that they are
 /// reported together with everything else.
-pub(super) fn parse(text: &str) -> Result<Node, SyntaxError> {
+pub(crate) fn parse(text: &str) -> Result<Node, SyntaxError> {
     let options = serde_saphyr::options! {
         strict_booleans: true,
         duplicate_keys: DuplicateKeyPolicy::PassThrough,

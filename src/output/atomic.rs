@@ -62,9 +62,20 @@ pub fn replace(temporary: &Path, path: &Path, previous: &Path) -> Result<()> {
 /// # Parallel
 /// Local; call it on rank 0.
 pub fn write_text(path: &Path, text: &str) -> Result<()> {
+    write_bytes(path, text.as_bytes())
+}
+
+/// As [`write_text`], for any bytes.
+///
+/// # Errors
+/// As [`write_text`].
+///
+/// # Parallel
+/// As [`write_text`].
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<()> {
     let temporary = temporary(path, std::process::id());
     let written = File::create(&temporary)
-        .and_then(|mut file| file.write_all(text.as_bytes()))
+        .and_then(|mut file| file.write_all(bytes))
         .map_err(|cause| Error::file("cannot write", path, cause));
     let outcome = written.and_then(|()| publish(&temporary, path));
     if outcome.is_err() {

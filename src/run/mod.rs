@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 use crate::case::{Case, read_text};
 use crate::cli::{Command, RunOptions};
 use crate::comm::Comm;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::fault;
 use crate::mesh::{Column, LocalMesh};
 use crate::output::directory::OutputDirectory;
@@ -24,6 +24,7 @@ use crate::partition::{self, Method};
 use crate::runtime::Runtime;
 use crate::signals;
 use crate::solve::{self, LinearChoice, MULTIGRID, Model};
+use crate::study::{self, Request};
 use crate::timers::{Phase, Timers};
 use checkpoint::Restart;
 use session::Session;
@@ -31,7 +32,7 @@ use session::Session;
 pub use check::describe;
 pub use screen::print_exit;
 
-/// Carries out a command; returns the exit status. `check` and `schema` need no MPI.
+/// Carries out a command; returns the exit status. `check`, `schema` and `study` need no MPI.
 ///
 /// Collective for `run`: the same on every rank.
 pub fn execute(command: &Command) -> u8 {
@@ -39,9 +40,29 @@ pub fn execute(command: &Command) -> u8 {
         Command::Schema => Ok(check::schema()),
         Command::Check(options) => check::check(&options.case, &options.overrides),
         Command::Run(options) => return run(options),
+        Command::Study(request) => return study(request),
     };
     screen::print_once(&answer);
     answer.map_or_else(|error| error.exit_status(), |_| 0)
+}
+
+/// Carries out a study, which starts no MPI itself.
+fn study(request: &Request) -> u8 {
+    let result = if screen::is_rank() {
+        let text = "a study launches its runs itself: start it without mpirun or srun";
+        Err(Error::Input(text.to_owned()))
+    } else {
+        screen::start_screen(true, false, false);
+        study::run(request)
+    };
+    match result {
+        Ok(()) => 0,
+        Err(error) => {
+            let status = error.exit_status();
+            screen::print_once(&Err(error));
+            status
+        }
+    }
 }
 
 /// A lattice of fewer cells per rank is not worth a level, and too few for an even partition.

@@ -61,6 +61,11 @@ fn speaks() -> bool {
     rank.is_none_or(|rank| rank == "0")
 }
 
+/// Whether this process is a rank; a batch script of SLURM, which has a number too, is none.
+pub fn is_rank() -> bool {
+    RANK_VARIABLES[..3].iter().any(|name| std::env::var_os(name).is_some())
+}
+
 /// Prints an answer or a complaint once per launch, without MPI.
 pub fn print_once(answer: &Result<String>) {
     match answer {

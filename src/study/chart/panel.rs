@@ -1,0 +1,238 @@
+//! Panels of lines and points over two scales, and the legend beside them.
+
+use plotters::prelude::{DrawingBackend, RGBColor};
+
+use super::canvas::{Anchor, Canvas, Drawn, Figure, width};
+use super::scale::Scale;
+
+/// Colours that the colour-blind tell apart (Okabe and Ito), without the yellow.
+pub(crate) const COLORS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(230, 159, 0),
+    RGBColor(0, 0, 0),
+];
+pub(crate) const INK: RGBColor = RGBColor(30, 30, 30);
+const GREY: RGBColor = RGBColor(130, 130, 130);
+const GRID: RGBColor = RGBColor(228, 228, 228);
+
+/// Heights of text.
+pub(crate) const TITLE: f64 = 17.0;
+pub(crate) const TEXT: f64 = 13.0;
+
+/// Number of markers.
+const MARKERS: usize = 5;
+
+/// A line of a panel.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Line {
+    /// In the legend; nothing there if it is empty.
+    pub name: String,
+    /// In the order in which they are joined.
+    pub points: Vec<(f64, f64)>,
+    /// Ranges of y at some x.
+    pub spreads: Vec<(f64, f64, f64)>,
+    /// Where runs of it failed.
+    pub failed: Vec<f64>,
+    /// Number of its colour and marker; none for a grey line of dashes that guides the eye.
+    pub style: Option<usize>,
+}
+
+/// One pair of axes.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Panel {
+    pub x: Scale,
+    pub y: Scale,
+    pub x_label: String,
+    pub y_label: String,
+    pub lines: Vec<Line>,
+    /// Points that no other beats, with rising x.
+    pub front: Vec<(f64, f64)>,
+}
+
+/// Panels side by side with one legend.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Panels {
+    pub title: String,
+    pub panels: Vec<Panel>,
+}
+
+struct Frame {
+    left: f64,
+    top: f64,
+    wide: f64,
+    high: f64,
+}
+
+const PANEL: (f64, f64) = (520.0, 400.0);
+const MARGIN: f64 = 16.0;
+/// Height of a line of the legend.
+const ENTRY: f64 = 21.0;
+
+impl Panels {
+    fn legend(&self) -> Vec<(Mark, String)> {
+        let mut entries: Vec<(Mark, String)> = Vec::new();
+        for line in self.panels.iter().flat_map(|panel| &panel.lines) {
+            let mark = line.style.map_or(Mark::Guide, Mark::Line);
+            if !line.name.is_empty() && !entries.iter().any(|(_, name)| *name == line.name) {
+                entries.push((mark, line.name.clone()));
+            }
+        }
+        if self.panels.iter().any(|panel| !panel.front.is_empty()) {
+            entries.push((Mark::Front, "Pareto front".to_owned()));
+        }
+        if self.panels.iter().flat_map(|panel| &panel.lines).any(|line| !line.failed.is_empty()) {
+            entries.push((Mark::Failed, "failed".to_owned()));
+        }
+        entries
+    }
+
+    fn legend_width(&self) -> f64 {
+        let widths = self.legend().into_iter().map(|(_, name)| width(&name, TEXT));
+        widths.fold(0.0, f64::max) + 50.0
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Mark {
+    Line(usize),
+    Guide,
+    Front,
+    Failed,
+}
+
+impl Figure for Panels {
+    fn size(&self) -> (u32, u32) {
+        let wide = PANEL.0 * self.panels.len() as f64 + self.legend_width() + 2.0 * MARGIN;
+        let title = width(&self.title, TITLE) + 2.0 * MARGIN;
+        let high = (PANEL.1 + 50.0).max(60.0 + ENTRY * self.legend().len() as f64);
+        (wide.max(title) as u32, high as u32)
+    }
+
+    fn draw<B: DrawingBackend>(&self, canvas: &Canvas<'_, B>) -> Drawn {
+        canvas.text(&self.title, (MARGIN, 22.0), TITLE, INK, Anchor::Left)?;
+        for (number, panel) in self.panels.iter().enumerate() {
+            let left = MARGIN + PANEL.0 * number as f64;
+            // Room for numbers and labels.
+            let frame =
+                Frame { left: left + 74.0, top: 46.0, wide: PANEL.0 - 92.0, high: PANEL.1 - 56.0 };
+            panel.draw(canvas, &frame)?;
+        }
+        let left = MARGIN + PANEL.0 * self.panels.len() as f64;
+        for (number, (mark, name)) in self.legend().into_iter().enumerate() {
+            let y = 58.0 + ENTRY * number as f64;
+            let (from, to, middle) = ((left, y), (left + 30.0, y), (left + 15.0, y));
+            match mark {
+                Mark::Line(style) => {
+                    canvas.line(&[from, to], COLORS[style % COLORS.len()], 2.0)?;
+                    marker(canvas, middle, style)?;
+                }
+                Mark::Guide => canvas.dashes(&[from, to], GREY, 1.2)?,
+                Mark::Front => {
+                    canvas.circle(middle, 8.0, INK, Some(1.6))?;
+                }
+                Mark::Failed => cross(canvas, middle, INK)?,
+            }
+            canvas.text(&name, (left + 38.0, y), TEXT, INK, Anchor::Left)?;
+        }
+        Ok(())
+    }
+}
+
+impl Panel {
+    fn draw<B: DrawingBackend>(&self, canvas: &Canvas<'_, B>, frame: &Frame) -> Drawn {
+        let Frame { left, top, wide, high } = *frame;
+        let (right, bottom) = (left + wide, top + high);
+        let x_at = |x: f64| self.x.place(x).map(|place| left + place * wide);
+        let y_at = |y: f64| self.y.place(y).map(|place| bottom - place * high);
+        let at = |(x, y): (f64, f64)| Some((x_at(x)?, y_at(y)?));
+
+        let mut before = f64::NEG_INFINITY;
+        for (place, text) in self.x.marks() {
+            let x = left + place * wide;
+            canvas.line(&[(x, top), (x, bottom)], GRID, 1.0)?;
+            canvas.line(&[(x, bottom), (x, bottom + 5.0)], INK, 1.0)?;
+            // A number that would touch the one before is left out.
+            let half = 0.5 * width(&text, TEXT);
+            if x - half > before + 4.0 {
+                canvas.text(&text, (x, bottom + 9.0), TEXT, INK, Anchor::Top)?;
+                before = x + half;
+            }
+        }
+        for (place, text) in self.y.marks() {
+            let y = bottom - place * high;
+            canvas.line(&[(left, y), (right, y)], GRID, 1.0)?;
+            canvas.line(&[(left - 5.0, y), (left, y)], INK, 1.0)?;
+            canvas.text(&text, (left - 9.0, y), TEXT, INK, Anchor::Right)?;
+        }
+        let corners = [(left, top), (right, top), (right, bottom), (left, bottom), (left, top)];
+        canvas.line(&corners, INK, 1.0)?;
+        canvas.text(
+            &self.x_label,
+            (left + 0.5 * wide, bottom + 42.0),
+            TEXT,
+            INK,
+            Anchor::Center,
+        )?;
+        canvas.text(&self.y_label, (left - 64.0, top + 0.5 * high), TEXT, INK, Anchor::Upwards)?;
+
+        for line in &self.lines {
+            let color = line.style.map_or(GREY, |style| COLORS[style % COLORS.len()]);
+            let points: Vec<(f64, f64)> = line.points.iter().filter_map(|p| at(*p)).collect();
+            match line.style {
+                Some(_) if points.len() > 1 => canvas.line(&points, color, 2.0)?,
+                None if points.len() > 1 => canvas.dashes(&points, color, 1.2)?,
+                _ => {}
+            }
+            for (x, low, high) in &line.spreads {
+                if let (Some(low), Some(high)) = (at((*x, *low)), at((*x, *high))) {
+                    canvas.line(&[low, high], color, 1.2)?;
+                }
+            }
+        }
+        for line in &self.lines {
+            let Some(style) = line.style else { continue };
+            for point in line.points.iter().filter_map(|p| at(*p)) {
+                marker(canvas, point, style)?;
+            }
+            // Side by side, where runs of several lines failed at one place.
+            let shift = 7.0 * (style as f64 - 0.5 * (self.lines.len() as f64 - 1.0));
+            for x in line.failed.iter().filter_map(|x| x_at(*x)) {
+                let x = (x + shift).clamp(left, right);
+                cross(canvas, (x, top), COLORS[style % COLORS.len()])?;
+            }
+        }
+        for point in self.front.iter().filter_map(|p| at(*p)) {
+            canvas.circle(point, 8.0, INK, Some(1.6))?;
+        }
+        Ok(())
+    }
+}
+
+fn cross<B: DrawingBackend>(canvas: &Canvas<'_, B>, at: (f64, f64), color: RGBColor) -> Drawn {
+    const HALF: f64 = 5.5;
+    for slope in [1.0, -1.0] {
+        let ends = [(at.0 - HALF, at.1 - slope * HALF), (at.0 + HALF, at.1 + slope * HALF)];
+        canvas.line(&ends, color, 2.2)?;
+    }
+    Ok(())
+}
+
+/// The marker of a style: shapes differ where colours come again, and between neighbours.
+fn marker<B: DrawingBackend>(canvas: &Canvas<'_, B>, at: (f64, f64), style: usize) -> Drawn {
+    let color = COLORS[style % COLORS.len()];
+    let r = 5.0;
+    let corners = |offsets: &[(f64, f64)]| -> Vec<(f64, f64)> {
+        offsets.iter().map(|(dx, dy)| (at.0 + dx * r, at.1 + dy * r)).collect()
+    };
+    match style % MARKERS {
+        0 => canvas.circle(at, 4.5, color, None),
+        1 => canvas.fill(&corners(&[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)]), color),
+        2 => canvas.fill(&corners(&[(0.0, -1.2), (1.1, 0.8), (-1.1, 0.8)]), color),
+        3 => canvas.fill(&corners(&[(0.0, -1.3), (1.1, 0.0), (0.0, 1.3), (-1.1, 0.0)]), color),
+        _ => canvas.fill(&corners(&[(-1.1, -0.8), (1.1, -0.8), (0.0, 1.2)]), color),
+    }
+}

@@ -1,0 +1,61 @@
+use super::panel::{Line, Panel, Panels};
+use super::*;
+
+fn panels() -> Panels {
+    let line = |style, points: &[(f64, f64)]| Line {
+        name: format!("method {style}, order ≥ 2"),
+        points: points.to_vec(),
+        spreads: vec![(1.0, 0.02, 0.05)],
+        failed: vec![3.0],
+        style: Some(style),
+    };
+    let lines = (0..6).map(|s| line(s, &[(1.0, 0.03), (10.0, 1e-5 * (s + 1) as f64)])).collect();
+    let panel = Panel {
+        x: Scale::Log(0.5, 20.0),
+        y: Scale::Log(1e-6, 0.1),
+        x_label: "core-seconds [s]".into(),
+        y_label: "error".into(),
+        lines,
+        front: vec![(1.0, 0.03)],
+    };
+    Panels { title: "Error against cost".into(), panels: vec![panel] }
+}
+
+#[test]
+fn a_chart_is_drawn_without_any_font_of_the_machine() {
+    let figure = panels();
+    let text = svg(&figure).unwrap();
+    assert!(text.starts_with("<svg") && text.trim_end().ends_with("</svg>"));
+    for words in ["core-seconds [s]", "method 3, order ≥ 2", "10⁻³", "Pareto front", "failed"]
+    {
+        assert!(text.contains(words), "{words}");
+    }
+    let image = png(&figure).unwrap();
+    assert_eq!(&image[1..4], b"PNG");
+    let reader = png::Decoder::new(std::io::Cursor::new(&image)).read_info().unwrap();
+    assert_eq!(reader.info().width % 2, 0);
+}
+
+#[test]
+fn efficiency_is_by_the_first_number_of_ranks() {
+    let close = |found: Vec<(f64, f64)>, exact: &[(f64, f64)]| {
+        found.iter().zip(exact).all(|(f, e)| f.0 == e.0 && (f.1 - e.1).abs() < 1e-12)
+    };
+    let points = [(1.0, 8.0), (2.0, 5.0), (4.0, 4.0)];
+    assert!(close(efficiencies_of(&points, true), &[(1.0, 1.0), (2.0, 0.8), (4.0, 0.5)]));
+    assert!(close(efficiencies_of(&points, false), &[(1.0, 1.0), (2.0, 1.6), (4.0, 2.0)]));
+    assert!(efficiencies_of(&[], true).is_empty());
+}
+
+#[test]
+fn an_empty_chart_is_drawn_too() {
+    let empty = Panel {
+        x: Scale::over(std::iter::empty(), true),
+        y: Scale::over(std::iter::empty(), false),
+        x_label: String::new(),
+        y_label: String::new(),
+        lines: Vec::new(),
+        front: Vec::new(),
+    };
+    assert!(svg(&Panels { title: String::new(), panels: vec![empty] }).unwrap().contains("<svg"));
+}

@@ -1,0 +1,444 @@
+//! From the study file as it is written to checked types.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use serde_json::Value as Json;
+
+use super::charts::chart_of;
+use super::file::{
+    AgainstSection, AtSection, AxisSection, Expect, Keep, MeasureSection, Norm, StudyFile,
+};
+use super::spec::{Against, Assignment, At, Axis, BUILT_IN, Choice, Measure, Reference, Study};
+use crate::case::limits::seconds;
+use crate::case::problems::{Problems, suggestion};
+use crate::case::tree::{Data, Node, Origin};
+use crate::case::{Formula, read_text};
+use crate::error::{Error, Result, number_text};
+use crate::output::history::Table;
+
+/// Pairs of an axis and a choice of it.
+pub(super) type Place = Vec<(usize, usize)>;
+
+pub(super) struct Checker<'a> {
+    pub tree: &'a Node,
+    pub path: &'a Path,
+    pub problems: Problems<'a>,
+}
+
+impl Checker<'_> {
+    pub fn study(mut self, file: StudyFile, text: String) -> Result<Study> {
+        let base = self.beside(&file.base);
+        let base_text = read_text(&base).unwrap_or_else(|error| {
+            self.add(&["base"], error.to_string());
+            String::new()
+        });
+        let defaults = ["output.fields=none", "expect=[]"];
+        let kept = if file.expect == Expect::Keep { 1 } else { 2 };
+        let origin = self.tree.origin;
+        let mut set: Vec<Assignment> = defaults[..kept]
+            .iter()
+            .map(|text| Assignment { text: (*text).to_owned(), origin })
+            .collect();
+        set.extend(self.assignments(&["set"], &file.set));
+        let axes: Vec<Axis> =
+            file.axes.iter().enumerate().map(|(index, axis)| self.axis(index, axis)).collect();
+        self.names(&axes);
+        let mut skip = Vec::new();
+        for (index, entry) in file.skip.iter().enumerate() {
+            skip.push(self.place(&axes, &["skip", &index.to_string()], entry));
+        }
+        let references: Vec<Reference> = file
+            .references
+            .iter()
+            .enumerate()
+            .map(|(index, section)| Reference {
+                name: section.name.clone(),
+                ranks: section.ranks.map(size),
+                set: self.assignments(&["references", &index.to_string(), "set"], &section.set),
+            })
+            .collect();
+        let limit = seconds(&file.limit).unwrap_or_else(|reason| {
+            self.add(&["limit"], format!("limit {reason}"));
+            1.0
+        });
+        let launcher: Vec<String> = file.launcher.split_whitespace().map(str::to_owned).collect();
+        if launcher.is_empty() {
+            self.add(&["launcher"], "launcher is empty".to_owned());
+        }
+        let mut measures: Vec<Measure> = Vec::new();
+        for (index, section) in file.measures.iter().enumerate() {
+            let index = index.to_string();
+            let taken = measures.iter().any(|m| m.name == section.name)
+                || BUILT_IN.iter().any(|(name, ..)| *name == section.name)
+                || axes.iter().any(|axis| axis.name == section.name);
+            if taken {
+                let what = format!("measures.{index}.name: `{}` is taken", section.name);
+                self.add(&["measures", &index, "name"], what);
+            }
+            measures.extend(self.measure(&index, section, &axes, &references));
+        }
+        let stem = self.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let directory = match &file.output.directory {
+            Some(directory) => PathBuf::from(directory),
+            None => Path::new("results").join(&stem),
+        };
+        let mut study = Study {
+            path: self.path.to_path_buf(),
+            text,
+            title: file.title.unwrap_or(stem),
+            base,
+            base_text,
+            set,
+            axes,
+            skip,
+            references,
+            ranks: size(file.ranks),
+            repeats: size(file.repeats),
+            limit: Duration::from_secs_f64(limit.min(1e9)),
+            launcher,
+            measures,
+            charts: Vec::new(),
+            directory,
+            keep_all: file.output.keep == Keep::All,
+        };
+        for (index, section) in file.charts.into_iter().enumerate() {
+            if let Some(chart) = chart_of(&mut self, &study, index, section) {
+                study.charts.push(chart);
+            }
+        }
+        if self.problems.is_empty() { Ok(study) } else { Err(self.problems.into_error()) }
+    }
+
+    /// Adds a mistake at the place of these steps.
+    pub fn add(&mut self, steps: &[&str], text: String) {
+        self.problems.at(locate(self.tree, steps), text);
+    }
+
+    /// A path that is relative to the study file.
+    fn beside(&self, name: &str) -> PathBuf {
+        self.path.parent().unwrap_or(Path::new("")).join(name)
+    }
+
+    fn assignments(&self, steps: &[&str], set: &BTreeMap<String, Json>) -> Vec<Assignment> {
+        let one = |(key, value): (&String, &Json)| {
+            let origin = locate(self.tree, &[steps, &[key.as_str()]].concat());
+            Assignment { text: assignment(key, value), origin }
+        };
+        set.iter().map(one).collect()
+    }
+
+    fn axis(&mut self, index: usize, section: &AxisSection) -> Axis {
+        let index = index.to_string();
+        let here = ["axes", index.as_str()];
+        let mut choices = Vec::new();
+        match (&section.key, &section.values, &section.ranks, &section.choices) {
+            (Some(key), Some(values), None, None) => {
+                for (number, value) in values.iter().enumerate() {
+                    let origin =
+                        locate(self.tree, &["axes", &index, "values", &number.to_string()]);
+                    choices.push(Choice {
+                        label: label(value),
+                        number: number_of(value),
+                        ranks: None,
+                        set: vec![Assignment { text: assignment(key, value), origin }],
+                    });
+                }
+            }
+            (None, None, Some(ranks), None) => choices.extend(ranks.iter().map(|ranks| Choice {
+                label: ranks.to_string(),
+                number: Some(*ranks as f64),
+                ranks: Some(size(*ranks)),
+                set: Vec::new(),
+            })),
+            (None, None, None, Some(sections)) => {
+                for (number, choice) in sections.iter().enumerate() {
+                    let steps = ["axes", &index, "choices", &number.to_string(), "set"];
+                    choices.push(Choice {
+                        label: choice.label.clone(),
+                        number: choice.number.or(choice.label.parse().ok()),
+                        ranks: choice.ranks.map(size),
+                        set: self.assignments(&steps, &choice.set),
+                    });
+                }
+            }
+            _ => self
+                .add(&here, format!("axes.{index} must have key and values, or ranks, or choices")),
+        }
+        for (number, choice) in choices.iter().enumerate() {
+            if choices[..number].iter().any(|other| other.label == choice.label) {
+                self.add(&here, format!("axes.{index} has `{}` twice", choice.label));
+            }
+        }
+        Axis { name: section.name.clone(), unit: section.unit.clone(), choices }
+    }
+
+    /// Refuses names of axes that are not told apart.
+    fn names(&mut self, axes: &[Axis]) {
+        for (index, axis) in axes.iter().enumerate() {
+            let taken = axes[..index].iter().any(|other| other.name == axis.name)
+                || BUILT_IN.iter().any(|(name, ..)| *name == axis.name)
+                || ["status", "run", "repeats", "directory"].contains(&axis.name.as_str());
+            if taken {
+                let what = format!("axes.{index}.name: `{}` is taken", axis.name);
+                self.add(&["axes", &index.to_string(), "name"], what);
+            }
+        }
+    }
+
+    /// The axis of a name.
+    pub fn axis_named(&mut self, axes: &[Axis], steps: &[&str], name: &str) -> Option<usize> {
+        let found = axes.iter().position(|axis| axis.name == name);
+        if found.is_none() {
+            let known: Vec<String> = axes.iter().map(|axis| axis.name.clone()).collect();
+            let hint = suggestion(name, &known);
+            self.add(steps, format!("{}: `{name}` is no axis{hint}", steps.join(".")));
+        }
+        found
+    }
+
+    /// Names of axes with a label each.
+    pub fn place(
+        &mut self,
+        axes: &[Axis],
+        steps: &[&str],
+        entry: &BTreeMap<String, Json>,
+    ) -> Place {
+        let mut place = Vec::new();
+        for (name, value) in entry {
+            let here = [steps, &[name.as_str()]].concat();
+            let Some(axis) = self.axis_named(axes, &here, name) else { continue };
+            let wanted = label(value);
+            match axes[axis].choices.iter().position(|choice| choice.label == wanted) {
+                Some(choice) => place.push((axis, choice)),
+                None => {
+                    let known: Vec<String> =
+                        axes[axis].choices.iter().map(|choice| choice.label.clone()).collect();
+                    let hint = suggestion(&wanted, &known);
+                    self.add(&here, format!("{}: `{wanted}` is no value{hint}", here.join(".")));
+                }
+            }
+        }
+        place
+    }
+
+    fn measure(
+        &mut self,
+        index: &str,
+        section: &MeasureSection,
+        axes: &[Axis],
+        references: &[Reference],
+    ) -> Option<Measure> {
+        let here = ["measures", index];
+        let (column, against) = match (&section.value, &section.error, &section.against) {
+            (Some(column), None, None) => (column, None),
+            (None, Some(column), Some(against)) => {
+                (column, Some(self.against(index, against, axes, references)?))
+            }
+            _ => {
+                let what = "must have value, or error and against";
+                self.add(&here, format!("measures.{index} {what}"));
+                return None;
+            }
+        };
+        let at = match &section.at {
+            AtSection::Last(_) => At::Last,
+            AtSection::One(time) => At::Times(vec![*time]),
+            AtSection::Several(times) => At::Times(times.clone()),
+        };
+        if section.value.is_some() && matches!(&at, At::Times(times) if times.len() > 1) {
+            let what = format!("measures.{index}.at must be one instant for a value");
+            self.add(&["measures", index, "at"], what);
+        }
+        let word = if section.value.is_some() { "value" } else { "error" };
+        Some(Measure {
+            name: section.name.clone(),
+            unit: section.unit.clone(),
+            column: column.clone(),
+            at,
+            against,
+            relative: section.norm == Norm::Relative,
+            origin: locate(self.tree, &["measures", index, word]),
+        })
+    }
+
+    fn against(
+        &mut self,
+        index: &str,
+        section: &AgainstSection,
+        axes: &[Axis],
+        references: &[Reference],
+    ) -> Option<Against> {
+        let here = ["measures", index, "against"];
+        let at = |name: &'static str| ["measures", index, "against", name];
+        match section {
+            AgainstSection {
+                equals: Some(number),
+                formula: None,
+                run: None,
+                axes: None,
+                history: None,
+                ..
+            } => Some(Against::Number(*number)),
+            AgainstSection {
+                equals: None,
+                formula: Some(text),
+                run: None,
+                axes: None,
+                history: None,
+                x,
+                y,
+            } => {
+                let mut named = |name: &'static str, axis: &Option<String>| match axis {
+                    Some(axis) => self.axis_named(axes, &at(name), axis).map(Some),
+                    None => Some(None),
+                };
+                let named = [named("x", x)?, named("y", y)?];
+                match Formula::parse(text) {
+                    Ok(formula) => Some(Against::Formula(formula, named)),
+                    Err(reason) => {
+                        self.add(
+                            &at("formula"),
+                            format!("measures.{index}.against.formula: {reason}"),
+                        );
+                        None
+                    }
+                }
+            }
+            AgainstSection {
+                equals: None,
+                formula: None,
+                run: Some(name),
+                axes: None,
+                history: None,
+                ..
+            } => {
+                let found = references.iter().position(|reference| reference.name == *name);
+                if found.is_none() {
+                    let known: Vec<String> = references.iter().map(|r| r.name.clone()).collect();
+                    let hint = suggestion(name, &known);
+                    let what =
+                        format!("measures.{index}.against.run: `{name}` is no reference{hint}");
+                    self.add(&at("run"), what);
+                }
+                found.map(Against::Reference)
+            }
+            AgainstSection {
+                equals: None,
+                formula: None,
+                run: None,
+                axes: Some(labels),
+                history: None,
+                ..
+            } => Some(Against::Axes(self.place(axes, &at("axes"), labels))),
+            AgainstSection {
+                equals: None,
+                formula: None,
+                run: None,
+                axes: None,
+                history: Some(name),
+                ..
+            } => {
+                let table = Table::read(&self.beside(name));
+                table
+                    .map(Against::History)
+                    .map_err(|error| self.add(&at("history"), error.to_string()))
+                    .ok()
+            }
+            _ => {
+                let what = "must have one of equals, formula, run, axes, history";
+                self.add(&here, format!("measures.{index}.against {what}"));
+                None
+            }
+        }
+    }
+}
+
+/// `KEY=VALUE` with the value as JSON, which is YAML; nothing for a key that is taken away.
+pub(super) fn assignment(key: &str, value: &Json) -> String {
+    if value.is_null() { format!("{key}=") } else { format!("{key}={value}") }
+}
+
+/// A value as a user would say it: `4x4x20` for a list of counts, the key of a section with one.
+pub(super) fn label(value: &Json) -> String {
+    match value {
+        Json::String(text) => text.clone(),
+        Json::Number(number) => number.as_f64().map_or(number.to_string(), number_text),
+        Json::Array(items) if !items.is_empty() && items.iter().all(Json::is_u64) => {
+            items.iter().map(Json::to_string).collect::<Vec<_>>().join("x")
+        }
+        Json::Object(keys) if keys.len() == 1 => keys.keys().cloned().collect(),
+        other => other.to_string(),
+    }
+}
+
+/// The number that a value stands for on a chart: of a list the product.
+fn number_of(value: &Json) -> Option<f64> {
+    match value {
+        Json::Array(items) => items.iter().map(Json::as_f64).product(),
+        Json::String(text) => text.parse().ok(),
+        other => other.as_f64(),
+    }
+}
+
+fn size(number: u64) -> usize {
+    usize::try_from(number).unwrap_or(usize::MAX)
+}
+
+/// Where the value at these steps was written; keys may hold dots.
+fn locate(tree: &Node, steps: &[&str]) -> Origin {
+    let (mut here, mut origin) = (tree, tree.origin);
+    for step in steps {
+        let next = match &here.data {
+            Data::Map(entries) => {
+                entries.iter().find(|entry| entry.key == *step).map(|e| (&e.node, e.origin))
+            }
+            Data::List(items) => step
+                .parse::<usize>()
+                .ok()
+                .and_then(|i| items.get(i))
+                .map(|item| (item, item.origin)),
+            _ => None,
+        };
+        let Some((node, place)) = next else { break };
+        (here, origin) = (node, place);
+    }
+    origin
+}
+
+/// The message of a mistake with its place in a file.
+pub(super) fn placed(path: &Path, origin: Origin, text: &str) -> String {
+    match origin {
+        Origin::File(line, column) => format!("{}:{line}:{column}: {text}", path.display()),
+        Origin::Override(_) => format!("{}: {text}", path.display()),
+    }
+}
+
+/// As one error.
+pub(super) fn refuse(lines: &[String]) -> Error {
+    Error::Input(lines.join("\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn values_are_labelled_as_they_are_said() {
+        for (value, text, number) in [
+            (json!([4, 4, 20]), "4x4x20", Some(320.0)),
+            (json!(1.0e-9), "1e-9", Some(1e-9)),
+            (json!(2), "2", Some(2.0)),
+            (json!("mumps"), "mumps", None),
+            (json!({"tied": {}}), "tied", None),
+            (json!(true), "true", None),
+        ] {
+            assert_eq!(label(&value), text);
+            assert_eq!(number_of(&value), number);
+        }
+        assert_eq!(assignment("a.b", &Json::Null), "a.b=");
+        assert_eq!(assignment("a.b", &json!({"x": [1, 2.5e-9]})), "a.b={\"x\":[1,2.5e-9]}");
+    }
+}
