@@ -15,6 +15,7 @@ mod record;
 mod spec;
 mod stats;
 mod table;
+mod words;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::check::{placed, refuse};
 use super::spec::{Against, Assignment, At, Study};
+use super::words::{placed, refuse};
 use crate::case::Case;
 use crate::case::problems::{shortened, suggestion};
 use crate::case::tree::Origin;
