@@ -254,3 +254,25 @@ fn told(record: &Record, kept: bool) -> String {
     };
     format!("{word}{} in {seconds} s{what}", last.status.words())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_shipped_study_is_right() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/studies");
+        let files = fs::read_dir(folder).expect("the studies").flatten().map(|file| file.path());
+        let mut count = 0;
+        for file in files.filter(|path| path.extension().is_some_and(|e| e == "yaml")) {
+            let study = Study::read(&file).unwrap_or_else(|error| panic!("{error}"));
+            let plan = Plan::new(&study, "v").unwrap_or_else(|error| panic!("{error}"));
+            assert!(study.text.starts_with('#') && !study.charts.is_empty(), "{}", file.display());
+            let names: std::collections::BTreeSet<_> =
+                plan.runs.iter().map(|r| &r.directory).collect();
+            assert_eq!(names.len(), plan.runs.len(), "{}", file.display());
+            count += 1;
+        }
+        assert_eq!(count, 8);
+    }
+}

@@ -132,6 +132,11 @@ impl Rows<'_> {
                 let choices = &self.study.axes[*axis].choices;
                 Scale::Names(choices.iter().map(|choice| choice.label.clone()).collect())
             }
+            // Ranks are few and whole.
+            Quantity::Measure(name) if log && name == "ranks" => Scale::marked(numbers.to_vec()),
+            Quantity::Axis(axis) if log && self.study.axes[*axis].name == "ranks" => {
+                Scale::marked(numbers.to_vec())
+            }
             _ => Scale::over(numbers.iter().copied(), log),
         }
     }
@@ -177,7 +182,9 @@ impl Rows<'_> {
         }
         let mut front: Vec<(usize, (f64, f64))> = Vec::new();
         if self.chart.pareto {
-            let all: Vec<(f64, f64)> = points.iter().map(|(_, point)| *point).collect();
+            // What differs by less than a millionth is no better.
+            let rounded = |y: f64| if y > 0.0 { (y.ln() * 1e6).round() } else { f64::MIN };
+            let all: Vec<(f64, f64)> = points.iter().map(|(_, (x, y))| (*x, rounded(*y))).collect();
             let on = pareto(&all);
             front = points.into_iter().zip(on).filter(|(_, on)| *on).map(|(p, _)| p).collect();
             front.sort_by(|a, b| a.1.0.total_cmp(&b.1.0));
@@ -265,7 +272,7 @@ impl Rows<'_> {
         let of = |lines: &[Line], pick: fn(&(f64, f64)) -> f64| -> Vec<f64> {
             lines.iter().flat_map(|line| &line.points).map(pick).collect()
         };
-        let x = Scale::over(of(&times, |p| p.0).into_iter(), true);
+        let x = Scale::marked(of(&times, |p| p.0));
         let y = Scale::over(of(&times, |p| p.1).into_iter(), true);
         let most = of(&efficiencies, |p| p.1).into_iter().fold(1.0, f64::max);
         let panels = vec![

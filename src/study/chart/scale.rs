@@ -5,6 +5,8 @@
 pub(crate) enum Scale {
     /// Logarithmic, between two positive numbers.
     Log(f64, f64),
+    /// The same, with marks at these numbers.
+    Marked(f64, f64, Vec<f64>),
     /// Linear.
     Linear(f64, f64),
     /// Names at 0, 1, 2, ...
@@ -36,10 +38,22 @@ impl Scale {
         }
     }
 
+    /// Logarithmic over numbers, with marks at them.
+    pub fn marked(mut numbers: Vec<f64>) -> Self {
+        numbers.sort_by(f64::total_cmp);
+        numbers.dedup();
+        match Scale::over(numbers.iter().copied(), true) {
+            Scale::Log(low, high) => Scale::Marked(low, high, numbers),
+            other => other,
+        }
+    }
+
     /// Where a number lies, from 0 to 1; none where the scale does not have it.
     pub fn place(&self, number: f64) -> Option<f64> {
         let place = match self {
-            Scale::Log(low, high) => (number / low).ln() / (high / low).ln(),
+            Scale::Log(low, high) | Scale::Marked(low, high, _) => {
+                (number / low).ln() / (high / low).ln()
+            }
             Scale::Linear(low, high) => (number - low) / (high - low),
             Scale::Names(names) => (number + 0.5) / names.len() as f64,
         };
@@ -53,13 +67,14 @@ impl Scale {
                 let at = |index: usize| (index as f64 + 0.5) / names.len() as f64;
                 return names.iter().enumerate().map(|(i, name)| (at(i), name.clone())).collect();
             }
+            Scale::Marked(_, _, marks) => marks.clone(),
             Scale::Log(low, high) => log_marks(*low, *high),
             Scale::Linear(low, high) => linear_marks(*low, *high),
         };
         let powers = matches!(self, Scale::Log(low, high) if *low < 0.9e-3 || *high > 5e4);
         let step = numbers.windows(2).map(|p| p[1] - p[0]).fold(f64::INFINITY, f64::min);
         let text = |v: f64| match self {
-            Scale::Log(..) => plain_or_power(v, powers),
+            Scale::Log(..) | Scale::Marked(..) => plain_or_power(v, powers),
             _ => linear_text(v, step),
         };
         numbers.into_iter().filter_map(|v| Some((self.place(v)?, text(v)))).collect()
