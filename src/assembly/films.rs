@@ -32,7 +32,8 @@ pub struct FilmFacet {
 /// The films of one rank; empty where fluid flows along no interface.
 #[derive(Debug, Clone, Default)]
 pub struct Films {
-    /// The fluid, of which there is one; none without films.
+    /// The fluid, of which there is one; on all ranks, also those without a part of a film; none where fluid
+    /// flows along no interface.
     pub fluid: Option<Fluid>,
     /// What like facets have in common.
     pub prototypes: Vec<Film>,
@@ -52,15 +53,22 @@ pub struct FilmTangent {
 }
 
 impl Films {
-    /// Opening at an entry of `Discretization::secondary`, its weight and the sign of its jump row.
+    /// Whether fluid flows along any interface. Local: the same on all ranks.
+    pub fn are_there(&self) -> bool {
+        self.fluid.is_some()
+    }
+
+    /// Opening at an entry of `Discretization::secondary` (m).
     fn opening(all: &Discretization, secondary: u32, u: &[f64]) -> f64 {
         all.jump(secondary as usize, all.dim - 1, u)
     }
 
+    /// Weight of its jump row (m2; 2D: m).
     fn weight(all: &Discretization, secondary: u32) -> f64 {
         all.secondary[secondary as usize].rows[all.dim - 1].as_ref().map_or(0.0, |row| row.weight)
     }
 
+    /// Value at a node of what stands at the corners.
     fn at(node: &FilmNode, p: &[f64]) -> f64 {
         node.corners.iter().map(|(corner, part)| part * p[*corner as usize]).sum()
     }

@@ -246,9 +246,14 @@ impl Node {
 
     /// Where the value at a dotted path was written, or the nearest section around it.
     pub fn locate(&self, path: &str) -> Origin {
+        self.locate_at(path.split('.'))
+    }
+
+    /// As [`Node::locate`], step by step: keys may hold dots.
+    pub fn locate_at<'s>(&self, steps: impl IntoIterator<Item = &'s str>) -> Origin {
         let mut here = self;
         let mut origin = self.origin;
-        for step in path.split('.') {
+        for step in steps {
             let next = match &here.data {
                 Data::Map(entries) => entries.iter().find(|entry| entry.key == step).map(|entry| {
                     // A section that spans lines is pointed at by its key.

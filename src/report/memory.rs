@@ -8,15 +8,22 @@ use crate::comm::Comm;
 /// # Parallel
 /// Collective.
 pub fn peak(comm: &Comm) -> Option<u64> {
-    let own = std::fs::read_to_string("/proc/self/status").ok().and_then(|s| high_water_mark(&s));
+    let own = entry("/proc/self/status", HIGH_WATER_MARK);
     let unknown = comm.any(own.is_none());
     let sum = comm.sum_u64(own.unwrap_or(0));
     (!unknown).then_some(sum)
 }
 
-/// `VmHWM` of the text of `/proc/PID/status` in bytes.
-fn high_water_mark(status: &str) -> Option<u64> {
-    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
+/// Largest resident memory in `/proc/PID/status`.
+const HIGH_WATER_MARK: &str = "VmHWM:";
+
+/// An entry of a file of `/proc` in which sizes stand line by line, in bytes; none where there is none. Local.
+pub fn entry(file: &str, name: &str) -> Option<u64> {
+    read(&std::fs::read_to_string(file).ok()?, name)
+}
+
+fn read(text: &str, name: &str) -> Option<u64> {
+    let line = text.lines().find_map(|line| line.strip_prefix(name))?;
     let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(1024 * kibibytes)
 }
@@ -28,13 +35,12 @@ mod tests {
     #[test]
     fn the_mark_is_read_in_bytes() {
         let text = "Name:\tcolumn-hpc\nVmPeak:\t  999 kB\nVmHWM:\t   10240 kB\nThreads:\t1\n";
-        assert_eq!(high_water_mark(text), Some(10_485_760));
-        assert_eq!(high_water_mark("Name:\tcolumn-hpc\n"), None);
+        assert_eq!(read(text, HIGH_WATER_MARK), Some(10_485_760));
+        assert_eq!(read("Name:\tcolumn-hpc\n", HIGH_WATER_MARK), None);
     }
 
     #[test]
     fn this_process_holds_more_than_a_megabyte() {
-        let status = std::fs::read_to_string("/proc/self/status").unwrap();
-        assert!(high_water_mark(&status).unwrap() > 1 << 20);
+        assert!(entry("/proc/self/status", HIGH_WATER_MARK).expect("Linux tells") > 1 << 20);
     }
 }

@@ -52,6 +52,7 @@ pub fn describe(case: &Case) -> Result<String> {
             let checked = prescribed.check(&corners.nodes, &times);
             checked.map_err(|AtNode(_, error)| error)?;
             Loads::inflow(case, &corners).check(&times)?;
+            Loads::injection(case, &corners).check(&times)?;
         }
         let sides = Sides::choose(case, &column);
         let secondary = sides.iter().enumerate().flat_map(|(interface, side)| {

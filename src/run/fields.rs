@@ -81,11 +81,12 @@ impl FieldWriter {
                 Array { name: "damage", components: 1, values: Values::F64(&damage) },
                 Array { name: "state", components: 1, values: Values::I32(&branch) },
             ];
-            let pressure = film_pressure(model, &side.nodes);
-            if case.interfaces[index].film.is_some() {
-                let values = Values::F64(&pressure);
-                data.push(Array { name: "pressure", components: 1, values });
-            }
+            let film = case.interfaces[index].film.as_ref();
+            let pressure = film.map(|_| film_pressure(model, &side.nodes));
+            data.extend(pressure.iter().map(|pressure| {
+                let values = Values::F64(pressure);
+                Array { name: "pressure", components: 1, values }
+            }));
             let known =
                 [Array { name: "global_node_id", components: 1, values: Values::I64(&names) }];
             let fixed = Fixed { grid: &grid, data: Data { points: &known, cells: &[] } };

@@ -8,6 +8,7 @@ use crate::case::{Case, Fields};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::mesh::Column;
+use crate::report::memory::entry;
 use crate::solve::memory::memory;
 use crate::solve::{LinearChoice, MULTIGRID};
 
@@ -118,14 +119,12 @@ pub fn disk(case: &Case, column: &Column) -> f64 {
 
 /// Memory that is free on this node, or that a control group leaves this process (bytes).
 fn available() -> Option<f64> {
-    let text = fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
-    let kibibytes: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    let bytes = entry("/proc/meminfo", "MemAvailable:")? as f64;
     let number = |name: &str| -> Option<f64> {
         fs::read_to_string(Path::new("/sys/fs/cgroup").join(name)).ok()?.trim().parse().ok()
     };
     let group = number("memory.max").map(|most| most - number("memory.current").unwrap_or(0.0));
-    Some((1024.0 * kibibytes).min(group.unwrap_or(f64::INFINITY)))
+    Some(bytes.min(group.unwrap_or(f64::INFINITY)))
 }
 
 /// Free space of the file system that will hold a directory (bytes).

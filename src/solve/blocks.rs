@@ -14,6 +14,10 @@
 //! 15, 2011), with the geometric mean K of the drained bulk modulus and the oedometric one: motions of
 //! the skeleton under a pressure lie between the two. With `solver.linear: mumps` the whole matrix is
 //! eliminated instead.
+//!
+//! Fluid that flows along an interface adds what depends on the state and is not symmetric: the operator has
+//! the derivatives by pressures and openings ([`FilmTangent`]), the pressure's block those by pressures,
+//! and the fields are split with every solver.
 
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;

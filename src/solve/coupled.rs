@@ -86,13 +86,15 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
             }
             return Ok(change);
         }
-        let state = (&problem.displacement[..], &coupling.flow.pressure[..]);
-        let films = coupling.flow.space.films.linearise(&problem.all, state, &step);
-        let differ = films != *coupling.blocks.films.borrow();
-        if problem.comm.any(differ)
-            || !coupling.assembled.is_some_and(|assembled| assembled.serves(&step))
-        {
-            coupling.blocks.films.replace(films);
+        let mut serves = coupling.assembled.is_some_and(|assembled| assembled.serves(&step));
+        let films = &coupling.flow.space.films;
+        if films.are_there() {
+            let state = (&problem.displacement[..], &coupling.flow.pressure[..]);
+            let linearised = films.linearise(&problem.all, state, &step);
+            serves &= !problem.comm.any(linearised != *coupling.blocks.films.borrow());
+            coupling.blocks.films.replace(linearised);
+        }
+        if !serves {
             let _phase = problem.timers.enter(Phase::Assembly);
             coupling.blocks.set_flow(problem.comm, &step)?;
             coupling.assembled = Some(step);

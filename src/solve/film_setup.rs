@@ -4,6 +4,7 @@ use super::flow_setup::Pressures;
 use crate::assembly::{Discretization, FilmFacet, FilmNode, Films, Tie};
 use crate::case::Case;
 use crate::comm::Comm;
+use crate::element::Shape;
 use crate::error::Result;
 use crate::interface::{Film, Fluid, JumpRows, Sides, jump_rows};
 use crate::mesh::{LocalMesh, NodePlace};
@@ -123,9 +124,7 @@ pub(super) fn films(
             let ([x, y, _], _) = column.cell_size(place);
             let like = ([x, y], order);
             let prototype = sizes.iter().position(|size| *size == like).unwrap_or_else(|| {
-                films
-                    .prototypes
-                    .push(Film::new(crate::element::Shape::of(case.dim - 1, order), [x, y]));
+                films.prototypes.push(Film::new(Shape::of(case.dim - 1, order), [x, y]));
                 sizes.push(like);
                 sizes.len() - 1
             });

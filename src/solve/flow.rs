@@ -72,6 +72,9 @@ pub struct Flow {
     pub remarks: Vec<String>,
     /// Accounts up to the last accepted state.
     pub balance: FluidBalance,
+    /// Local nodes on the lips from which fluid flows into the pores, each with its side: twice the index of
+    /// the interface, and one more for the upper side.
+    lips: Vec<(u32, usize)>,
     /// Mean rate in the last step into the lower and the upper side of each interface (kg/s).
     pub into_sides: Vec<[f64; 2]>,
 }
@@ -91,6 +94,11 @@ impl Flow {
         initial: Vec<f64>,
     ) -> Self {
         let none = || vec![0.0; space.nodes.len()];
+        let side = |(node, name): (usize, &u64)| {
+            let (interface, upper) = prescribed.lip_of(*name)?;
+            Some((node as u32, 2 * interface + usize::from(upper)))
+        };
+        let lips = space.nodes.names.iter().enumerate().filter_map(side).collect();
         Self {
             before: initial.clone(),
             in_pores: Contents::default(),
@@ -110,6 +118,7 @@ impl Flow {
             bounds,
             remarks: Vec::new(),
             balance: FluidBalance::default(),
+            lips,
             into_sides: vec![[0.0; 2]; interfaces],
         }
     }

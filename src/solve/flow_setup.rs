@@ -92,8 +92,7 @@ pub fn couple(
     };
     let mut scale = [mesh.prototypes.iter().map(stiffest).fold(0.0, f64::max)];
     comm.max(&mut scale);
-    let has_films = case.interfaces.iter().any(|i| i.film.is_some());
-    let beside = match eliminate.filter(|_| space.has_unknowns(comm) && !has_films) {
+    let beside = match eliminate.filter(|_| space.has_unknowns(comm) && !space.films.are_there()) {
         Some(setup) => {
             let numbers = WholeMatrix::new(comm, all, &space);
             let matrix = numbers.matrix(comm, petsc, all, &space)?;

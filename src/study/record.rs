@@ -10,8 +10,9 @@ use serde_json::Value as Json;
 use super::launch::{End, message};
 use super::plan::Run;
 use crate::error::{Error, Result};
-use crate::output::atomic;
 use crate::output::directory::{CASE, FIELDS, REPORT};
+use crate::output::{atomic, checkpoint};
+use crate::report::memory::entry;
 
 /// Name of the record in the directory of a run.
 const RECORD: &str = "record.json";
@@ -220,17 +221,14 @@ pub(super) fn cores() -> usize {
 
 /// Memory of this machine in bytes.
 pub(super) fn machine_memory() -> Option<u64> {
-    let text = fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;
-    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(1024 * kibibytes)
+    entry("/proc/meminfo", "MemTotal:")
 }
 
 /// Removes what a run needs only while it goes on.
 pub(super) fn tidy(directory: &Path) {
     // What cannot be removed does no harm.
     let _ = fs::remove_dir_all(directory.join(FIELDS));
-    for name in ["checkpoint.h5", "checkpoint.previous.h5", CASE] {
+    for name in [checkpoint::NEWEST, checkpoint::PREVIOUS, CASE] {
         let _ = fs::remove_file(directory.join(name));
     }
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value as Json;
 
-use crate::case::tree::{Data, Node, Origin};
+use crate::case::tree::Origin;
 use crate::error::{Error, number_text};
 
 /// `KEY=VALUE` with the value as JSON, which is YAML; nothing for a key that is taken away.
@@ -36,27 +36,6 @@ pub(super) fn number_of(value: &Json) -> Option<f64> {
 
 pub(super) fn size(number: u64) -> usize {
     usize::try_from(number).unwrap_or(usize::MAX)
-}
-
-/// Where the value at these steps was written; keys may hold dots.
-pub(super) fn locate(tree: &Node, steps: &[&str]) -> Origin {
-    let (mut here, mut origin) = (tree, tree.origin);
-    for step in steps {
-        let next = match &here.data {
-            Data::Map(entries) => {
-                entries.iter().find(|entry| entry.key == *step).map(|e| (&e.node, e.origin))
-            }
-            Data::List(items) => step
-                .parse::<usize>()
-                .ok()
-                .and_then(|i| items.get(i))
-                .map(|item| (item, item.origin)),
-            _ => None,
-        };
-        let Some((node, place)) = next else { break };
-        (here, origin) = (node, place);
-    }
-    origin
 }
 
 /// The message of a mistake with its place in a file.

@@ -1,7 +1,7 @@
 //! Runs with flow that begin in equilibrium (`initial.equilibrium`).
 
-use crate::flow::DRIVEN;
-use crate::scene::{Run, Scene, fresh};
+use crate::flow;
+use crate::scene::{Run, Scene};
 
 /// A sealed bar of 10 m between smooth walls with a pressure of 1 MPa in its pores, free at the top.
 const SWOLLEN: &str = "
@@ -51,7 +51,7 @@ fn the_skeleton_carries_the_initial_pressure() {
 
 /// A load that is there from the start, under a cohesive interface that it breaks in part.
 fn driven() -> Scene {
-    Scene::new("driven", DRIVEN)
+    flow::driven()
         .in_any_steps()
         .set("initial={pressure: 2.0e5, equilibrium: true}")
         .set("interfaces.0.fluid.pressure={table: [[0, 1.8e6], [100, 2.0e6], [300, 0.5e6]]}")
@@ -65,14 +65,7 @@ fn a_run_from_equilibrium_goes_on_wherever_it_was_stopped() {
     for (fault, from, to) in
         [("setup:0:term", 2, 1), ("residual:0:term", 1, 2), ("residual:0:term:20", 3, 2)]
     {
-        let directory = fresh();
-        let stopped = scene.launch(from, &directory, fault, &["--overwrite"]);
-        let words = String::from_utf8_lossy(&stopped.stderr).into_owned();
-        assert_eq!(stopped.status.code(), Some(75), "{fault}: {words}");
-        let resumed = scene.launch(to, &directory, "", &["--restart", "latest"]);
-        let words = String::from_utf8_lossy(&resumed.stderr).into_owned();
-        assert_eq!(resumed.status.code(), Some(0), "{fault}: {words}");
-        assert_same(&whole, &Scene::left_in(&directory, format!("{fault}, {from} to {to} ranks")));
+        assert_same(&whole, &scene.stopped(from, fault, to));
     }
 }
 

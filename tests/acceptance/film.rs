@@ -1,7 +1,7 @@
 //! Fluid that flows along an interface.
 
-use crate::flow::{assert_close, last};
-use crate::scene::{Run, Scene, fresh};
+use crate::flow::{TWO_ROCKS, assert_close, last};
+use crate::scene::{Run, Scene};
 
 /// Lips held apart between two pressures; the rock stores nothing and yields 1e-6 of the opening.
 const PLATES: &str = "
@@ -142,17 +142,6 @@ output: {fields: none}
 /// Fluid is injected on one side of a cohesive interface between rocks of two kinds.
 const INJECTED: &str = "
 mesh: {column: {size: [1, 1, 4], bodies: [{cells: [2, 2, 3]}, {cells: [3, 3, 4]}]}}
-materials:
-  sandstone:
-    z: [0, 1]
-    elastic: {young_modulus: 5.0e9, poisson_ratio: 0.2}
-    porous: {biot: 0.8, porosity: 0.2, permeability: 1.0e-15, viscosity: 1.0e-3,
-             fluid_compressibility: 4.5e-10, fluid_density: 1000, density: 2300}
-  rock:
-    z: [1, 4]
-    elastic: {young_modulus: 2.0e10, poisson_ratio: 0.25}
-    porous: {biot: 0.7, porosity: 0.1, permeability: 1.0e-17, viscosity: 1.0e-3,
-             fluid_compressibility: 4.5e-10, fluid_density: 1000, density: 2500}
 interfaces:
   - name: joint
     z: 2
@@ -169,7 +158,7 @@ probes: [{name: mid, at: [0.5, 0.5, 1.25]}]
 
 #[test]
 fn an_injection_at_a_constant_rate_balances_on_any_ranks() {
-    let scene = Scene::new("injected", INJECTED).in_any_steps();
+    let scene = Scene::new("injected", &[INJECTED, TWO_ROCKS].concat()).in_any_steps();
     let one = scene.on(1);
     assert!(last(&one, "joint.normal_jump.min") > 1e-5, "it opens everywhere");
     for (time, inflow) in one.column("time").iter().zip(one.column("mass.in")) {
@@ -191,16 +180,9 @@ fn an_injection_at_a_constant_rate_balances_on_any_ranks() {
 
 #[test]
 fn an_injection_goes_on_on_other_ranks() {
-    let scene = Scene::new("injected", INJECTED).in_any_steps();
+    let scene = Scene::new("injected", &[INJECTED, TWO_ROCKS].concat()).in_any_steps();
     let whole = scene.on(1);
-    let directory = fresh();
-    let stopped = scene.launch(2, &directory, "history:0:term:2", &["--overwrite"]);
-    let words = String::from_utf8_lossy(&stopped.stderr).into_owned();
-    assert_eq!(stopped.status.code(), Some(75), "{words}");
-    let resumed = scene.launch(3, &directory, "", &["--restart", "latest"]);
-    let words = String::from_utf8_lossy(&resumed.stderr).into_owned();
-    assert_eq!(resumed.status.code(), Some(0), "{words}");
-    assert_close(&whole, &Scene::left_in(&directory, "2 to 3 ranks".into()), 1e-8);
+    assert_close(&whole, &scene.stopped(2, "history:0:term:2", 3), 1e-8);
 }
 
 /// Where branches change at instants, the work of the fluid is what is stored and dissipated; inside a step its

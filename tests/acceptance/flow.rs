@@ -2,7 +2,7 @@
 
 #![allow(clippy::print_stdout)] // the figures, with --nocapture
 
-use crate::scene::{Run, Scene, fresh};
+use crate::scene::{Run, Scene};
 
 pub fn last(run: &Run, name: &str) -> f64 {
     *run.column(name).last().expect("an instant")
@@ -120,10 +120,8 @@ fn wtnv147() {
     }
 }
 
-/// Fluid that is pressed into a cohesive interface opens it and flows into porous rock of two kinds, with
-/// gravity and a flux through one side.
-pub const DRIVEN: &str = "
-mesh: {column: {size: [1, 1, 4], bodies: [{cells: [2, 2, 4]}, {cells: [3, 3, 5]}]}}
+/// Porous rock of two kinds, from 1 to 4 m the stiffer and tighter one.
+pub const TWO_ROCKS: &str = "
 materials:
   sandstone:
     z: [0, 1]
@@ -135,6 +133,12 @@ materials:
     elastic: {young_modulus: 2.0e10, poisson_ratio: 0.25}
     porous: {biot: 0.7, porosity: 0.1, permeability: 1.0e-17, viscosity: 1.0e-3,
              fluid_compressibility: 4.5e-10, fluid_density: 1000, density: 2500}
+";
+
+/// Fluid that is pressed into a cohesive interface opens it and flows into porous rock of two kinds, with
+/// gravity and a flux through one side.
+const DRIVEN: &str = "
+mesh: {column: {size: [1, 1, 4], bodies: [{cells: [2, 2, 4]}, {cells: [3, 3, 5]}]}}
 interfaces:
   - name: joint
     z: 2
@@ -150,9 +154,13 @@ solver: {linear: mumps}
 probes: [{name: mid, at: [0.5, 0.5, 1.25]}]
 ";
 
+pub fn driven() -> Scene {
+    Scene::new("driven", &[DRIVEN, TWO_ROCKS].concat())
+}
+
 #[test]
 fn the_fluid_of_a_driven_interface_balances_on_any_ranks() {
-    let scene = Scene::new("driven", DRIVEN).in_any_steps();
+    let scene = driven().in_any_steps();
     let one = scene.on(1);
     let opened = one.column("joint.normal_jump.max").into_iter().fold(0.0, f64::max);
     assert!(opened > 1e-6, "the fluid opens the interface: {opened}");
@@ -178,7 +186,7 @@ fn the_work_on_a_driven_interface_is_that_of_its_branches() {
         let early = (1..=steps).map(|n| 75.0 * n as f64 / steps as f64);
         let instants: Vec<String> =
             early.chain([100.0, 200.0, 300.0]).map(|time| time.to_string()).collect();
-        let run = Scene::new("driven", DRIVEN)
+        let run = driven()
             .set(&format!("time={{instants: [{}]}}", instants.join(", ")))
             .in_any_steps()
             .on(1);
@@ -303,7 +311,7 @@ fn elimination_takes_both_fields_together() {
         let run = scene.on(order);
         assert_eq!(last(&run, "linear_iterations"), last(&run, "newton_iterations"));
     }
-    let scene = Scene::new("driven", DRIVEN).in_any_steps();
+    let scene = driven().in_any_steps();
     for (order, ranks) in [(1, 1), (2, 2), (1, 3)] {
         let run = scene.set(&format!("mesh.order={order}")).scattered().on(ranks);
         let [linear, newton] = ["linear_iterations", "newton_iterations"]
@@ -323,20 +331,12 @@ fn linear_iterations_do_not_depend_on_finer_meshes() {
 
 #[test]
 fn a_run_with_flow_goes_on_on_other_ranks() {
-    let scene = Scene::new("driven", DRIVEN).in_any_steps();
+    let scene = driven().in_any_steps();
     let whole = scene.on(1);
     for (order, from, to, instant) in [(1, 1, 2, 2), (2, 2, 3, 3), (1, 3, 1, 4)] {
         let scene = scene.set(&format!("mesh.order={order}"));
         let whole = if order == 1 { &whole } else { &scene.on(1) };
-        let directory = fresh();
-        let fault = format!("history:0:term:{instant}");
-        let stopped = scene.launch(from, &directory, &fault, &["--overwrite"]);
-        let words = String::from_utf8_lossy(&stopped.stderr).into_owned();
-        assert_eq!(stopped.status.code(), Some(75), "{words}");
-        let resumed = scene.launch(to, &directory, "", &["--restart", "latest"]);
-        let words = String::from_utf8_lossy(&resumed.stderr).into_owned();
-        assert_eq!(resumed.status.code(), Some(0), "{words}");
-        let run = Scene::left_in(&directory, format!("order {order}, {from} to {to} ranks"));
+        let run = scene.stopped(from, &format!("history:0:term:{instant}"), to);
         for name in ["joint.normal_jump.max", "mid.pressure", "mass.in", "energy.fluid", "time"] {
             let scale = whole.column(name).iter().fold(0.0_f64, |m, v| m.max(v.abs()));
             for (a, b) in whole.column(name).iter().zip(run.column(name)) {

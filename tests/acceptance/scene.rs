@@ -139,6 +139,19 @@ impl Scene {
         words
     }
 
+    /// Stopped by `fault` on some ranks (status 75), it goes on to its end on others.
+    pub fn stopped(&self, from: usize, fault: &str, to: usize) -> Run {
+        let (directory, label) = (fresh(), format!("{fault}, {from} to {to} ranks"));
+        for (ranks, fault, word, status) in
+            [(from, fault, vec!["--overwrite"], 75), (to, "", vec!["--restart", "latest"], 0)]
+        {
+            let output = self.launch(ranks, &directory, fault, &word);
+            let words = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(status), "{label}: {words}");
+        }
+        Self::left_in(&directory, label)
+    }
+
     /// What a run left in a directory.
     pub fn left_in(directory: &Path, label: String) -> Run {
         let table = Table::read(&directory.join("history.csv")).expect("a complete history");

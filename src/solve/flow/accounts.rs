@@ -55,14 +55,12 @@ impl Flow {
     fn keep(&mut self, all: &Discretization, u: &[f64]) {
         self.before.copy_from_slice(&self.pressure);
         let (p, space, step) = (&self.pressure, &self.space, &self.step);
-        let mut sizes = vec![0.0; p.len()];
-        let Contents { stored, flow } = {
-            self.in_pores.clear(p.len());
-            &mut self.in_pores
-        };
+        self.in_pores.clear(p.len());
+        let Contents { stored, flow } = &mut self.in_pores;
         space.add_stored(all, (u, p), step.lumped, stored);
         space.add_flow(all, p, &step.gravity, flow);
-        if self.space.films.fluid.is_some() {
+        if space.films.are_there() {
+            let mut sizes = vec![0.0; p.len()];
             self.in_films.clear(p.len());
             let Contents { stored, flow } = &mut self.in_films;
             space.films.add_stored(all, (u, p), (stored, &mut sizes));
@@ -131,10 +129,8 @@ impl Flow {
         let mut sums = vec![0.0; 3 + 2 * self.into_sides.len()];
         let mut rows = self.of_pores(all, u, true);
         // What the pores at a lip take up comes from the interface.
-        for (row, name) in rows[0].iter().zip(&self.space.nodes.names) {
-            if let Some((index, upper)) = self.prescribed.lip_of(*name) {
-                sums[3 + 2 * index + usize::from(upper)] += self.density * row / self.step.length;
-            }
+        for (node, side) in &self.lips {
+            sums[3 + side] += self.density * rows[0][*node as usize] / self.step.length;
         }
         self.complete(all, u, &mut rows);
         let [mut rows, _] = rows;
