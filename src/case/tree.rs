@@ -246,20 +246,31 @@ impl Node {
 
     /// Where the value at a dotted path was written, or the nearest section around it.
     pub fn locate(&self, path: &str) -> Origin {
-        self.locate_at(path.split('.'))
+        self.follow(path.split('.'), |entry| {
+            // A section that spans lines is pointed at by its key.
+            let is_section = matches!(entry.node.data, Data::Map(_) | Data::List(_));
+            if is_section { entry.origin } else { entry.node.origin }
+        })
     }
 
-    /// As [`Node::locate`], step by step: keys may hold dots.
-    pub fn locate_at<'s>(&self, steps: impl IntoIterator<Item = &'s str>) -> Origin {
+    /// Where the key at the end of these steps was written, likewise; keys may hold dots.
+    pub fn locate_key<'s>(&self, steps: impl IntoIterator<Item = &'s str>) -> Origin {
+        self.follow(steps, |entry| entry.origin)
+    }
+
+    fn follow<'s>(
+        &self,
+        steps: impl IntoIterator<Item = &'s str>,
+        of_entry: impl Fn(&Entry) -> Origin,
+    ) -> Origin {
         let mut here = self;
         let mut origin = self.origin;
         for step in steps {
             let next = match &here.data {
-                Data::Map(entries) => entries.iter().find(|entry| entry.key == step).map(|entry| {
-                    // A section that spans lines is pointed at by its key.
-                    let is_section = matches!(entry.node.data, Data::Map(_) | Data::List(_));
-                    (&entry.node, if is_section { entry.origin } else { entry.node.origin })
-                }),
+                Data::Map(entries) => {
+                    let entry = entries.iter().find(|entry| entry.key == step);
+                    entry.map(|entry| (&entry.node, of_entry(entry)))
+                }
                 Data::List(items) => step
                     .parse::<usize>()
                     .ok()

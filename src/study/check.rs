@@ -114,7 +114,7 @@ impl Checker<'_> {
 
     /// Adds a mistake at the place of these steps.
     pub fn add(&mut self, steps: &[&str], text: String) {
-        self.problems.at(self.tree.locate_at(steps.iter().copied()), text);
+        self.problems.at(self.tree.locate_key(steps.iter().copied()), text);
     }
 
     /// A path that is relative to the study file.
@@ -124,7 +124,7 @@ impl Checker<'_> {
 
     fn assignments(&self, steps: &[&str], set: &BTreeMap<String, Json>) -> Vec<Assignment> {
         let one = |(key, value): (&String, &Json)| {
-            let origin = self.tree.locate_at([steps, &[key.as_str()]].concat());
+            let origin = self.tree.locate_key([steps, &[key.as_str()]].concat());
             Assignment { text: assignment(key, value), origin }
         };
         set.iter().map(one).collect()
@@ -138,7 +138,7 @@ impl Checker<'_> {
             (Some(key), Some(values), None, None) => {
                 for (number, value) in values.iter().enumerate() {
                     let origin =
-                        self.tree.locate_at(["axes", &index, "values", &number.to_string()]);
+                        self.tree.locate_key(["axes", &index, "values", &number.to_string()]);
                     choices.push(Choice {
                         label: label(value),
                         number: number_of(value),
@@ -260,7 +260,7 @@ impl Checker<'_> {
             at,
             against,
             relative: section.norm == Norm::Relative,
-            origin: self.tree.locate_at(["measures", index, word]),
+            origin: self.tree.locate_key(["measures", index, word]),
         })
     }
 
