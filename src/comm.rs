@@ -55,6 +55,12 @@ impl Comm {
         Comm { shared: Rc::new(Shared { raw, universe: Rc::clone(&self.shared.universe) }) }
     }
 
+    /// This rank by itself. Local.
+    pub fn alone(&self) -> Self {
+        let raw = SimpleCommunicator::self_comm().duplicate();
+        Comm { shared: Rc::new(Shared { raw, universe: Rc::clone(&self.shared.universe) }) }
+    }
+
     fn mpi(&self) -> &SimpleCommunicator {
         &self.shared.raw
     }

@@ -21,6 +21,7 @@ pub mod interface;
 pub mod assembly;
 pub mod multigrid;
 pub mod solve;
+pub mod reduce;
 pub mod output;
 pub mod report;
 pub mod study;

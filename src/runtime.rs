@@ -51,6 +51,12 @@ impl Runtime {
         Ok(Runtime { petsc, comm })
     }
 
+    /// The same for what this rank does by itself. Local.
+    pub fn alone(&self) -> Self {
+        let petsc = self.petsc.alone();
+        Runtime { comm: petsc.comm().clone(), petsc }
+    }
+
     /// Ends PETSc and MPI, then the process. Collective; nothing that holds PETSc or a
     /// communicator may be left.
     pub fn exit(self, status: u8) -> ! {

@@ -91,6 +91,7 @@ impl Checker<'_> {
             start,
             control,
             solver: file.solver.clone(),
+            reduce: file.reduce,
             output,
             wall,
             probes,

@@ -6,12 +6,13 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::boundary::Surface;
+use super::fluid::FluidSection;
 use super::initial::InitialSection;
 use super::interface::Side;
 use super::limits::{CheckpointSection, LimitsSection};
 use super::material::Porous;
 use super::mesh::Formulation;
-use super::solver::SolverSpec;
+use super::solver::{Reduce, SolverSpec};
 use crate::law::LawSpec;
 
 /// Case file of column-hpc. All units are SI; z points up.
@@ -54,6 +55,9 @@ pub(super) struct CaseFile {
     /// How it is solved.
     #[serde(default)]
     pub solver: SolverSpec,
+    /// Whether a smaller model may take the place of the one asked for where it is shown to give the same.
+    #[serde(default)]
+    pub reduce: Reduce,
     /// What is written.
     #[serde(default)]
     pub output: OutputSection,
@@ -172,24 +176,6 @@ pub(super) struct InterfaceSection {
     /// Fluid between the lips.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fluid: Option<FluidSection>,
-}
-
-/// Fluid in an interface.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct FluidSection {
-    /// Its imposed pressure in Pa.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub pressure: Option<Quantity>,
-    /// Whether the pore pressure at the lips equals the imposed one.
-    #[serde(default)]
-    pub connected: bool,
-    /// Whether it flows along the interface, with the pressure of the pores at both lips.
-    #[serde(default)]
-    pub flow: bool,
-    /// Mass in kg/m2/s that is injected into the interface, where it then flows.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub injection: Option<Quantity>,
 }
 
 /// What is prescribed on a surface.

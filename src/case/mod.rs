@@ -35,7 +35,7 @@ pub use material::{Material, Porous};
 pub use mesh::{Cells, Formulation, MeshSpec};
 pub use output::{Expectation, Fields, OutputSpec, Probe};
 pub use schema::schema;
-pub use solver::{Form, Linear, SolverSpec, Stability};
+pub use solver::{Form, Linear, Reduce, SolverSpec, Stability};
 pub use value::Value;
 
 use std::collections::BTreeSet;
@@ -99,6 +99,8 @@ pub struct Case {
     pub control: Option<Control>,
     /// How it is solved.
     pub solver: SolverSpec,
+    /// Whether a smaller model may take its place.
+    pub reduce: Reduce,
     /// What is written.
     pub output: OutputSpec,
     /// Wall-clock time after which the run stops (s).

@@ -84,3 +84,14 @@ pub enum Form {
     /// Displacements and multipliers together, a cross-check; needs mumps
     SaddlePoint,
 }
+
+/// Whether a smaller model may take the place of the one asked for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Reduce {
+    /// Where its error is bounded by solver.tolerance and nothing that it leaves out can become unstable
+    #[default]
+    Auto,
+    /// The model asked for is solved
+    Never,
+}

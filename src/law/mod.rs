@@ -150,6 +150,12 @@ pub trait InterfaceLaw {
     /// The largest tensile traction, Pa; none if there is no such.
     fn strength(&self) -> Option<f64>;
 
+    /// The steepest fall of the traction along a growing jump, whatever the history (Pa/m); none if that
+    /// is not known.
+    fn steepest_softening(&self) -> Option<f64> {
+        None
+    }
+
     /// Damage in [0, 1] at this history.
     fn damage(&self, history: f64) -> f64;
 

@@ -120,6 +120,11 @@ impl<E: Envelope> InterfaceLaw for E {
         Some(self.strength_and_energy().0)
     }
 
+    /// Envelopes are steepest where they begin.
+    fn steepest_softening(&self) -> Option<f64> {
+        Some(-self.slope(self.elastic_jump()))
+    }
+
     /// The dissipated part of the energy of full rupture.
     fn damage(&self, history: f64) -> f64 {
         if history >= self.critical_jump() { 1.0 } else { self.dissipated_part(history) }

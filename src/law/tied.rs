@@ -28,6 +28,10 @@ impl InterfaceLaw for Tied {
         None
     }
 
+    fn steepest_softening(&self) -> Option<f64> {
+        Some(0.0)
+    }
+
     fn damage(&self, _history: f64) -> f64 {
         0.0
     }

@@ -31,6 +31,30 @@ impl Column {
         column
     }
 
+    /// The lattice with one cell in the place of all along the axes that are not kept, along z one for
+    /// each layer of one material; of first order where no axis is kept.
+    pub fn narrowed(&self, keep: [bool; 3]) -> Self {
+        let mut column = self.clone();
+        for body in &mut column.bodies {
+            if keep == [false; 3] {
+                body.order = 1;
+            }
+            for axis in (0..3).filter(|axis| !keep[*axis]) {
+                let last = body.planes[axis].len() - 1;
+                let ends = [body.planes[axis][0], body.planes[axis][last]];
+                body.planes[axis] = ends.to_vec();
+                if axis == 2 {
+                    let changes = (1..body.layers.len())
+                        .filter(|k| body.layers[*k - 1].material != body.layers[*k].material)
+                        .map(|k| (k as u32) << column.refinements);
+                    body.planes[2].splice(1..1, changes);
+                }
+            }
+        }
+        column.number();
+        column
+    }
+
     /// The lattice with cells of first order where some are of second; else with about twice the
     /// edges, body by body, along the axes where they are short.
     fn coarsened(&self) -> Self {
@@ -186,6 +210,26 @@ mod tests {
         let odd = column("[1, 1, 5]", "[25, 25, 125]").hierarchy(100);
         assert_eq!(extents(&odd).last(), Some(&[25, 25, 125]));
         assert_eq!(extents(&odd)[0], [4, 4, 16]);
+    }
+
+    #[test]
+    fn a_narrowed_lattice_keeps_what_it_is_told_and_the_materials() {
+        let wide = column("[1, 1, 5]", "[4, 3, 10]");
+        let extent = |keep| wide.narrowed(keep).extent(0);
+        assert_eq!(extent([false; 3]), [1, 1, 1]);
+        assert_eq!(extent([false, false, true]), [1, 1, 10]);
+        assert_eq!(extent([true, false, true]), [4, 1, 10]);
+        let yaml = "title: t\nmesh: {column: {size: [1, 4], cells: [2, 8]}, refine: 1, order: 2}\n\
+             materials: {a: {z: [0, 1], elastic: {young_modulus: 1.0, poisson_ratio: 0.0}}, \
+             b: {z: [1, 4], elastic: {young_modulus: 2.0, poisson_ratio: 0.0}}}\n\
+             boundary:\n  - {on: bottom, displacement: {x: 0, z: 0}}\n\
+             time: {instants: [1.0]}\noutput: {directory: out}\n";
+        let case = Case::read(yaml, Path::new("t.yaml"), &[]).expect("a case");
+        let narrow = Column::new(&case).expect("a column").narrowed([false; 3]);
+        assert_eq!((narrow.extent(0), narrow.order(0)), ([1, 1, 2], 1));
+        assert_eq!(narrow.plane(0, 2, 1), 1.0);
+        let size = |k| narrow.cell_size(CellPlace { body: 0, at: [0, 0, k] });
+        assert_eq!([size(0), size(1)], [([1.0, 1.0, 1.0], 0), ([1.0, 1.0, 3.0], 1)]);
     }
 
     #[test]

@@ -39,7 +39,7 @@ impl Column {
     }
 
     /// Nodes of a body along x, y, z.
-    pub(super) fn node_extent(&self, body: usize) -> [usize; 3] {
+    pub fn node_extent(&self, body: usize) -> [usize; 3] {
         let (cells, order) = (self.extent(body), self.order(body));
         let along = |axis: usize| order * cells[axis] + 1;
         [along(0), if self.dim == 2 { 1 } else { along(1) }, along(2)]
@@ -113,7 +113,7 @@ impl Column {
     }
 
     /// Coordinate of a plane of nodes of a body along an axis (m).
-    pub(super) fn node_plane(&self, body: usize, axis: usize, index: usize) -> f64 {
+    pub fn node_plane(&self, body: usize, axis: usize, index: usize) -> f64 {
         let order = self.order(body);
         let low = self.plane(body, axis, index / order);
         if index.is_multiple_of(order) {

@@ -18,11 +18,13 @@ use std::rc::Rc;
 #[derive(Clone)]
 pub struct Petsc {
     session: Rc<Session>,
+    /// What vectors, matrices and solvers are made on.
+    comm: Comm,
 }
 
 struct Session {
     /// Freed after PETSc is finalised: `Drop` of the struct runs before its fields are dropped.
-    comm: Comm,
+    _comm: Comm,
     /// The options of the command line, for [`Petsc::insert_options`].
     command_line: Vec<CString>,
     /// Options that presets have set and the user has not.
@@ -83,17 +85,27 @@ impl Petsc {
         let code = unsafe { ffi::PetscPushErrorHandler(Some(record), ptr::null_mut()) };
         check(code, "PetscPushErrorHandler")?;
         let session = Session {
-            comm,
+            _comm: comm.clone(),
             command_line,
             defaults: RefCell::default(),
             stages: RefCell::default(),
         };
-        Ok(Petsc { session: Rc::new(session) })
+        Ok(Petsc { session: Rc::new(session), comm })
     }
 
     /// The ranks that PETSc runs on. Local.
     pub fn comm(&self) -> &Comm {
-        &self.session.comm
+        &self.comm
+    }
+
+    /// The same PETSc for what this rank does by itself. Local.
+    pub fn alone(&self) -> Self {
+        Petsc { session: Rc::clone(&self.session), comm: self.comm.alone() }
+    }
+
+    /// Whether the command line gives options. Local.
+    pub fn has_options(&self) -> bool {
+        !self.session.command_line.is_empty()
     }
 
     /// Adds options as they are written in a case (`-name value -name value`). Those of the command

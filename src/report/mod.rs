@@ -13,6 +13,7 @@ use serde::Serialize;
 use crate::error::{Error, Result};
 use crate::output::atomic;
 use crate::output::finite::check_row;
+use crate::reduce::Reduction;
 use crate::timers::Timings;
 use expectations::Outcome;
 use tables::Instant;
@@ -31,6 +32,8 @@ pub struct Report {
     pub ranks: usize,
     /// What was modelled.
     pub model: Model,
+    /// Whether a smaller model took its place, and the proof that it serves.
+    pub reduction: Reduction,
     /// Number of bulk cells over all ranks.
     pub cells: u64,
     /// Number of unknowns over all ranks.
@@ -200,6 +203,7 @@ mod tests {
                 elements: Vec::new(),
                 left_out: vec![LeftOut { what: "flow".into(), why: "pressure is 0".into() }],
             },
+            reduction: Reduction::none("small".into()),
             cells: 4,
             unknowns: 60,
             newton_iterations: 9,
@@ -229,7 +233,7 @@ mod tests {
         let mut keys: Vec<_> = value.as_object().unwrap().keys().cloned().collect();
         keys.sort();
         let expected = "case cells expectations instants linear_iterations linear_solver model \
-            newton_iterations partition peak_memory_bytes ranks residual_norms status timings title unknowns versions";
+            newton_iterations partition peak_memory_bytes ranks reduction residual_norms status timings title unknowns versions";
         assert_eq!(keys, expected.split_whitespace().collect::<Vec<_>>());
         assert_eq!(value["status"], "expectation_missed");
         let timings: Vec<_> = value["timings"].as_object().unwrap().keys().cloned().collect();

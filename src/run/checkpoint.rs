@@ -134,9 +134,9 @@ impl Keeper {
         Ok(())
     }
 
-    /// Whether the last accepted state has been written. Local.
-    pub fn is_current(&self, model: &Model<'_>) -> bool {
-        self.written == Some(model.stepper.time())
+    /// Whether the state accepted at `time` has been written. Local.
+    pub fn is_current(&self, time: f64) -> bool {
+        self.written == Some(time)
     }
 }
 

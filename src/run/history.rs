@@ -19,6 +19,7 @@ pub fn row(
     let counts = [accepted.newton_iterations, accepted.linear_iterations].map(|n| Some(n as f64));
     let factor = model.stepper.load_factor();
     let mut row = vec![Some(time), Some(factor), counts[0], counts[1]];
+    debug_assert_eq!(row.len(), FIRST_OF_INTERFACES);
     row.extend(interface_statistics(case, model, comm));
     let reactions = model.stepper.reactions();
     for surface in case.supported_surfaces() {
@@ -61,6 +62,33 @@ pub fn row(
     row
 }
 
+/// Puts 0 for the tractions and jumps of components that a smaller model leaves out and the model asked for
+/// has, as `has` tells by interface and component. Local.
+pub fn fill(case: &Case, row: &mut [Option<f64>], has: impl Fn(usize, usize) -> bool) {
+    let dim = case.dim;
+    let mut at = FIRST_OF_INTERFACES;
+    for interface in 0..case.interfaces.len() {
+        for _ in ["traction", "jump"] {
+            for component in order(dim) {
+                if has(interface, component) {
+                    row[at..at + 3].iter_mut().for_each(|value| *value = value.or(Some(0.0)));
+                }
+                at += 3;
+            }
+        }
+        // The damage.
+        at += 3;
+    }
+}
+
+/// Columns before those of the interfaces.
+const FIRST_OF_INTERFACES: usize = 4;
+
+/// Order of the columns: the normal component first, then x and y.
+fn order(dim: usize) -> impl Iterator<Item = usize> {
+    std::iter::once(dim - 1).chain(0..dim - 1)
+}
+
 /// Minimum, maximum and weighted mean of a nodal quantity, gathered step by step.
 #[derive(Clone, Copy)]
 struct Statistic {
@@ -93,8 +121,7 @@ fn interface_statistics(case: &Case, model: &Model<'_>, comm: &Comm) -> Vec<Opti
     let state = &problem.interfaces;
     for (rows, response) in problem.all.secondary.iter().zip(&state.response) {
         let own = &mut all[rows.interface * per_interface..][..per_interface];
-        // Order of the columns: the normal component first, then x and y.
-        for (place, c) in std::iter::once(dim - 1).chain(0..dim - 1).enumerate() {
+        for (place, c) in order(dim).enumerate() {
             if let Some(row) = &rows.rows[c] {
                 own[place].see(response.bulk_traction[c], row.weight);
                 own[dim + place].see(response.jump[c], row.weight);

@@ -5,6 +5,7 @@ mod checkpoint;
 mod fields;
 mod history;
 mod probes;
+mod reduced;
 mod resources;
 mod screen;
 mod session;
@@ -21,13 +22,15 @@ use crate::fault;
 use crate::mesh::{Column, LocalMesh};
 use crate::output::directory::OutputDirectory;
 use crate::partition::{self, Method};
+use crate::reduce::{Reduction, Situation};
 use crate::runtime::Runtime;
 use crate::signals;
-use crate::solve::{self, LinearChoice, MULTIGRID, Model};
+use crate::solve::{self, Foundation, LinearChoice, MULTIGRID, Model};
 use crate::study::{self, Request};
 use crate::timers::{Phase, Timers};
 use checkpoint::Restart;
-use session::Session;
+use reduced::{Reduced, attempt};
+use session::{Session, Solution};
 
 pub use check::describe;
 pub use screen::print_exit;
@@ -132,7 +135,8 @@ pub fn run_case(runtime: &Runtime, timers: &Timers, options: &RunOptions) -> Res
         }
     };
 
-    let mut model = build(runtime, timers, &case, directory)?;
+    let (mut model, reduction, reduced) =
+        build(runtime, timers, &case, directory, restart.is_some())?;
     let state = restart.map(|restart| restart.resume(comm, &case, &mut model)).transpose()?;
     let directory = match &state {
         Some(state) => {
@@ -141,8 +145,9 @@ pub fn run_case(runtime: &Runtime, timers: &Timers, options: &RunOptions) -> Res
         }
         None => OutputDirectory::open(comm, directory, &resolved, options.overwrite)?,
     };
-    screen::describe(comm, &case, &model);
-    let mut session = Session::new(comm, timers, &case, directory, state);
+    screen::describe(comm, &case, &model, &reduction);
+    let solution = Solution { reduction, reduced };
+    let mut session = Session::new(comm, timers, &case, directory, state, solution);
     let solved = session.solve(&mut model);
     session.close(runtime, &model, solved)
 }
@@ -154,12 +159,14 @@ fn read_case(comm: &Comm, path: &Path, overrides: &[String]) -> Result<Case> {
     comm.agree(Case::read(&String::from_utf8_lossy(&text), path, overrides))
 }
 
+/// The model that was asked for, and the smaller one that takes its place if there is one. Collective.
 fn build<'a>(
     runtime: &'a Runtime,
     timers: &'a Timers,
     case: &'a Case,
     directory: &Path,
-) -> Result<Model<'a>> {
+    goes_on: bool,
+) -> Result<(Model<'a>, Reduction, Option<Reduced>)> {
     let comm = &runtime.comm;
     let column = {
         let _phase = timers.enter(Phase::Mesh);
@@ -181,7 +188,7 @@ fn build<'a>(
         let _phase = timers.enter(Phase::Partition);
         partition::distribute(comm, &columns[0], Method::from_environment())?
     };
-    let meshes = {
+    let mut meshes = {
         let _phase = timers.enter(Phase::Mesh);
         let mut meshes = vec![LocalMesh::new(&columns[0], cells, before)];
         for column in &columns[1..] {
@@ -190,6 +197,18 @@ fn build<'a>(
         meshes
     };
     fault::strike(comm, "distribute")?;
+    let phase = timers.enter(Phase::Assembly);
+    let finest = meshes.pop().ok_or_else(|| Error::Bug("no mesh".into()))?;
+    let foundation = Foundation::new(comm, case, finest)?;
+    drop(phase);
+    let has_options = runtime.petsc.has_options();
+    let unknowns = foundation.all.nodes.total * case.dim as u64;
+    let situation = Situation { unknowns, goes_on, has_options };
+    let (reduction, reduced) = attempt(runtime, timers, case, &foundation, situation)?;
     let _phase = timers.enter(Phase::Assembly);
-    solve::build(runtime, timers, case, choice, meshes)
+    if let Some(reduced) = &reduced {
+        choice = LinearChoice::none(reduced.why_no_solver());
+    }
+    let model = solve::build(runtime, timers, case, choice, foundation, meshes)?;
+    Ok((model, reduction, reduced))
 }

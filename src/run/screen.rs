@@ -13,6 +13,7 @@ use crate::case::Case;
 use crate::cli::Exit;
 use crate::comm::Comm;
 use crate::error::{Error, Result};
+use crate::reduce::Reduction;
 use crate::report::{Report, Status, tables};
 use crate::solve::Model;
 
@@ -127,7 +128,7 @@ pub fn complain_of_missed(report: &Report, directory: &Path) {
 }
 
 /// Says what is modelled and how it is solved. Collective.
-pub fn describe(comm: &Comm, case: &Case, model: &Model<'_>) {
+pub fn describe(comm: &Comm, case: &Case, model: &Model<'_>, reduction: &Reduction) {
     let cells = comm.sum_u64(model.mesh.cells.len() as u64);
     let ranks = comm.size();
     let s = |n: i32| if n == 1 { "" } else { "s" };
@@ -154,6 +155,7 @@ pub fn describe(comm: &Comm, case: &Case, model: &Model<'_>) {
             interface.law.name()
         );
     }
+    tracing::info!("reduced    {}", reduction.words());
     tracing::info!("linear     {}: {}", model.choice.preset, model.choice.why);
     tracing::info!("");
 }

@@ -1,7 +1,10 @@
 //! A run from instant to instant: solves, writes, and tells how it ended.
 
+use std::time::Duration;
+
 use super::checkpoint::{Keeper, Progress, RunState};
 use super::fields::FieldWriter;
+use super::reduced::Reduced;
 use super::{history, probes, screen};
 use crate::case::{Case, Fields};
 use crate::comm::Comm;
@@ -11,11 +14,13 @@ use crate::output::directory::OutputDirectory;
 use crate::output::finite::check_row;
 use crate::output::history::{History, Table};
 use crate::output::publisher::Publisher;
+use crate::reduce::Reduction;
 use crate::report::expectations::{Outcome, evaluate};
 use crate::report::{LeftOut, LinearSolver, Model as Modelled, Partition, Report, Status};
 use crate::report::{memory, tables, versions};
 use crate::runtime::Runtime;
-use crate::solve::Model;
+use crate::signals;
+use crate::solve::{Accepted, Model};
 use crate::timers::{Phase, Timers};
 
 /// What a run carries from instant to instant.
@@ -38,6 +43,15 @@ pub struct Session<'a> {
     /// Gives files their names, on rank 0.
     publisher: Publisher,
     keeper: Keeper,
+    solution: Solution,
+}
+
+/// Whether the states come from a smaller model.
+pub struct Solution {
+    /// Why, or why not.
+    pub reduction: Reduction,
+    /// The smaller model, if they do.
+    pub reduced: Option<Reduced>,
 }
 
 impl<'a> Session<'a> {
@@ -48,6 +62,7 @@ impl<'a> Session<'a> {
         case: &'a Case,
         directory: OutputDirectory,
         state: Option<RunState>,
+        solution: Solution,
     ) -> Self {
         let fresh = Table { columns: case.columns(), rows: Vec::new() };
         let keeper = Keeper::new(case.output.checkpoint);
@@ -71,6 +86,7 @@ impl<'a> Session<'a> {
             counts,
             residual_norms,
             accepted,
+            solution,
         }
     }
 
@@ -86,7 +102,7 @@ impl<'a> Session<'a> {
         let solved = self.instants(model);
         let _phase = self.timers.enter(Phase::Output);
         let stopped = matches!(solved, Err(Error::Stopped(_)));
-        if stopped && !self.keeper.is_current(model) {
+        if stopped && !self.keeper.is_current(self.last_time(model)) {
             self.write_checkpoint(model)?;
         }
         let published = self.comm.agree(self.publisher.finish());
@@ -100,15 +116,15 @@ impl<'a> Session<'a> {
         tracing::info!("{}", tables::instant_header(&names));
         let progress = screen::Progress::new(self.comm.is_root(), self.case.time.len());
         for (number, time) in self.case.time.iter().enumerate().skip(self.accepted) {
-            let accepted = {
-                let _phase = self.timers.enter(Phase::Solve);
-                model.stepper.advance(*time)?
-            };
+            let accepted = self.advance(model, number, *time)?;
             self.counts[0] += accepted.newton_iterations as u64;
             self.counts[1] += accepted.linear_iterations as u64;
             self.residual_norms.push(accepted.residual_norm);
             let _phase = self.timers.enter(Phase::Output);
-            let mut row = history::row(self.case, model, &probes, *time, &accepted, self.comm);
+            let mut row = match &self.solution.reduced {
+                Some(reduced) => reduced.instant(number).1,
+                None => history::row(self.case, model, &probes, *time, &accepted, self.comm),
+            };
             fault::strike_values(self.comm, "row", row.iter_mut().flatten())?;
             self.check_row(*time, &row)?;
             let pushed = match &mut self.history {
@@ -119,6 +135,9 @@ impl<'a> Session<'a> {
             fault::strike(self.comm, "history")?;
             if self.writes_fields(*time) {
                 let step = (number + 1, *time);
+                if let Some(reduced) = &self.solution.reduced {
+                    reduced.show(model, number);
+                }
                 self.fields.write(self.comm, &mut self.publisher, self.case, model, step)?;
             }
             self.accepted = number + 1;
@@ -134,6 +153,24 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
+    /// Reaches the next instant. Collective.
+    fn advance(&self, model: &mut Model<'_>, number: usize, time: f64) -> Result<Accepted> {
+        let _phase = self.timers.enter(Phase::Solve);
+        let Some(reduced) = &self.solution.reduced else { return model.stepper.advance(time) };
+        match signals::stop(self.comm, Duration::ZERO) {
+            Some(reason) => Err(Error::Stopped(format!("stopped by {reason}"))),
+            None => Ok(reduced.instant(number).0),
+        }
+    }
+
+    /// Time of the last accepted state (s).
+    fn last_time(&self, model: &Model<'_>) -> f64 {
+        match (&self.solution.reduced, self.accepted.checked_sub(1)) {
+            (Some(_), Some(last)) => self.case.time[last],
+            _ => model.stepper.time(),
+        }
+    }
+
     /// Refuses a row that is not finite on some rank. Collective.
     fn check_row(&self, time: f64, row: &[Option<f64>]) -> Result<()> {
         let (file, when) = (self.directory.history(), format!("at time {time}"));
@@ -141,7 +178,11 @@ impl<'a> Session<'a> {
     }
 
     /// Collective.
-    fn write_checkpoint(&mut self, model: &Model<'_>) -> Result<()> {
+    fn write_checkpoint(&mut self, model: &mut Model<'_>) -> Result<()> {
+        if let (Some(reduced), Some(last)) = (&self.solution.reduced, self.accepted.checked_sub(1))
+        {
+            reduced.adopt(model, last)?;
+        }
         let progress = Progress {
             accepted: self.accepted,
             counts: self.counts,
@@ -195,6 +236,7 @@ impl<'a> Session<'a> {
                 title: self.case.title.clone(),
                 ranks: self.comm.size() as usize,
                 model: modelled(self.case),
+                reduction: self.solution.reduction.clone(),
                 cells,
                 unknowns: model.unknowns,
                 newton_iterations: self.counts[0],

@@ -109,6 +109,11 @@ impl LinearChoice {
         Self::named("mumps", why)
     }
 
+    /// No solver: the states of the model come from elsewhere.
+    pub fn none(why: String) -> Self {
+        Self { preset: "none", why, options: Vec::new() }
+    }
+
     fn named(preset: &'static str, why: String) -> Self {
         let options = PRESETS.iter().find(|(name, _)| *name == preset).map(|(_, o)| o.to_vec());
         Self { preset, why, options: options.unwrap_or_default() }

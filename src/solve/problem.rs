@@ -223,6 +223,14 @@ impl<'a> Problem<'a> {
         self.convergence.judge(comm, all, &self.interfaces, iteration, norm, worst, other)
     }
 
+    /// Evaluates a state with its scales; the 2-norm of its out-of-balance forces (N). Collective.
+    pub(super) fn out_of_balance(&mut self, x: &[f64]) -> Result<f64> {
+        let mut f = vec![0.0; x.len()];
+        self.evaluate(x, &mut f, true);
+        self.judge(0, &f, 0.0, 0.0)?;
+        Ok(self.residual_norm)
+    }
+
     /// The largest out-of-balance nodal force in a residual. Local.
     fn worst_force(&self, f: &[f64]) -> Worst {
         let (all, dim) = (&self.all, self.all.dim);

@@ -5,6 +5,7 @@ use std::rc::Rc;
 use super::convergence::Convergence;
 use super::coupled::Coupling;
 use super::flow_setup::{MECHANICS, couple, known_pressure};
+use super::foundation::{Foundation, discretize};
 use super::imperfection::strength_factors;
 use super::interfaces::{InterfaceState, JointLaw};
 use super::linear::{LinearChoice, LinearTarget, MULTIGRID};
@@ -12,18 +13,16 @@ use super::path::PathControl;
 use super::problem::{Problem, TangentForm};
 use super::saddle::SaddlePoint;
 use super::stepping::Stepper;
-use crate::assembly::{Cells, Discretization, Pattern, SaddleTangent, Tangent, TangentOperator};
-use crate::bulk::{Elastic, Loads, Stiffness};
+use crate::assembly::{Discretization, Pattern, SaddleTangent, Tangent, TangentOperator};
 use crate::case::{Case, Control, Form};
-use crate::comm::Comm;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::fault;
-use crate::interface::{Sides, jump_rows};
+use crate::interface::Sides;
 use crate::mesh::{Column, LocalMesh, axes};
 use crate::multigrid::Hierarchy;
 use crate::petsc::{KspSetup, Matrix, Snes, Vector};
 use crate::runtime::Runtime;
-use crate::space::{AtNode, Directory, Nodes, Prescribed};
+use crate::space::AtNode;
 use crate::timers::Timers;
 
 /// A problem with its solver, and what is known of the discretisation for output and report.
@@ -40,40 +39,23 @@ pub struct Model<'a> {
     pub unknowns: u64,
 }
 
-/// Builds the problem of the last of `meshes`, which are nested, coarsest first; only multigrid
-/// uses the others. Collective.
+/// Builds the problem of `foundation`, with the solver of `choice`. The meshes of `coarser` are nested
+/// in its mesh, coarsest first; only multigrid uses them. Collective.
 ///
 /// # Errors
-/// `Input` when boundary entries disagree, a formula gives no finite number at an instant or no
-/// positive factor, or a side of an interface is not covered; `System` when PETSc fails.
+/// `Input` when a formula gives no positive factor; `System` when PETSc fails.
 pub fn build<'a>(
     runtime: &'a Runtime,
     timers: &'a Timers,
     case: &'a Case,
     choice: LinearChoice,
-    mut meshes: Vec<LocalMesh>,
+    foundation: Foundation,
+    coarser: Vec<LocalMesh>,
 ) -> Result<Model<'a>> {
     let comm = &runtime.comm;
-    let Some(mesh) = meshes.pop() else { return Err(Error::Bug("no mesh".into())) };
-    let prescribed = Prescribed::new(case, &mesh.column);
-    let times = case.load_times();
-    let mut largest = [AtNode::agree(comm, prescribed.largest_value(&mesh.nodes, &times))?];
-    comm.max(&mut largest);
-    let agreement = prescribed.check_agreement(&mesh.nodes, &times, largest[0]);
-    AtNode::agree(comm, agreement)?;
-    let loads = Loads::new(case, &mesh);
-    comm.agree(loads.check(&times))?;
-    let sides = Sides::choose(case, &mesh.column);
-
-    let all = Rc::new(discretize(comm, case, &mesh, &sides)?);
+    let Foundation { mesh, all, sides, prescribed, loads } = foundation;
     let dim = case.dim;
     let unknowns = all.nodes.total * dim as u64;
-    if i32::try_from(unknowns).is_err() {
-        return Err(Error::Input(format!(
-            "{unknowns} unknowns are more than the 32-bit indices of this PETSc can number; \
-             use a coarser mesh"
-        )));
-    }
     let laws = joint_laws(case, &mesh, &sides);
     let owned = all.secondary[..all.owned_secondary()].iter();
     let named = owned.map(|rows| (rows.interface, all.nodes.names[rows.node as usize]));
@@ -89,7 +71,7 @@ pub fn build<'a>(
     fault::strike(comm, "setup")?;
     let mut levels = Vec::new();
     if choice.preset == MULTIGRID {
-        for mesh in meshes {
+        for mesh in coarser {
             let all = discretize(comm, case, &mesh, &sides)?;
             levels.push((mesh.column.clone(), Rc::new(all)));
         }
@@ -135,29 +117,6 @@ fn share_of_corners(column: &Column) -> f64 {
     if column.highest_order() == 1 { 1.0 } else { 0.25 }
 }
 
-/// Nodes, cells and jump rows of a mesh. Collective.
-fn discretize(
-    comm: &Comm,
-    case: &Case,
-    mesh: &LocalMesh,
-    sides: &[Sides],
-) -> Result<Discretization> {
-    let prescribed = Prescribed::new(case, &mesh.column);
-    let directory = Directory::new(comm, mesh.column.nodes(), &mesh.nodes);
-    let fixed = |node: u64| prescribed.components_of(node);
-    let rows = jump_rows(comm, mesh, sides, (case.dim, &fixed), &directory)?;
-    let mut needed = mesh.nodes.clone();
-    needed.extend(
-        rows.iter()
-            .flat_map(|r| r.rows.iter().flatten())
-            .flat_map(|r| r.others.iter().map(|o| o.0)),
-    );
-    let nodes = Nodes::new(comm, &directory, &needed)?;
-    drop(directory);
-    let cells = cells(case, mesh, &nodes);
-    Ok(Discretization::new(case.dim, cells, nodes, &prescribed, rows))
-}
-
 /// The solver with the form of its tangent.
 struct System {
     snes: Snes,
@@ -183,6 +142,13 @@ fn system(
     let diagonal = largest[0];
     let setup = KspSetup::new(&choice.options);
     let prefix = if case.flow.is_some() { MECHANICS } else { "" };
+    if choice.options.is_empty() {
+        let rows = all.nodes.owned * dim;
+        let operator = Rc::new(TangentOperator::new(Rc::clone(all), diagonal));
+        let matrix = Matrix::shell(petsc, rows, rows, dim, operator)?;
+        let snes = Snes::new(petsc, prefix, matrix, &setup)?;
+        return Ok(System { snes, form: TangentForm::Elsewhere, diagonal, saddle: None, rows });
+    }
     if !levels.is_empty() {
         let mut hierarchy = Hierarchy::new(comm, petsc, levels)?;
         let rows = all.nodes.owned * dim;
@@ -217,24 +183,6 @@ fn system(
     let form = TangentForm::Assembled(Tangent::new(all, pattern, diagonal));
     let snes = Snes::new(petsc, prefix, matrix, &setup)?;
     Ok(System { snes, form, diagonal, saddle: None, rows })
-}
-
-fn cells(case: &Case, mesh: &LocalMesh, nodes: &Nodes) -> Cells {
-    let stiffness = mesh
-        .prototypes
-        .iter()
-        .map(|p| {
-            let material = &case.materials[p.material];
-            let elastic = Elastic::new(material.young_modulus, material.poisson_ratio);
-            Stiffness::new(p, elastic, case.dim, case.has_mean_dilatation(material))
-        })
-        .collect();
-    let local = |name: u64| nodes.local(name).expect("the nodes of the rank's cells are held");
-    let connectivity = mesh.cells.iter().map(|c| {
-        let names = mesh.column.cell_nodes(mesh.column.cell_place(*c));
-        names.into_iter().map(local).collect()
-    });
-    Cells::new(case.dim, connectivity, mesh.cell_prototype.clone(), stiffness)
 }
 
 /// The laws, with the augmentation that suits the stiffness of the cells behind the interface.

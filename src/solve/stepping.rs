@@ -340,6 +340,21 @@ impl<'a> Stepper<'a> {
         flow.write_prescribed(time, &mut self.x.write()?[displacements..])
     }
 
+    /// Takes a state that was found elsewhere for the accepted one at `time`: `displacement` of owned
+    /// nodes, with the history and energy of the interfaces before it in place. Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn adopt(&mut self, time: f64, displacement: &[f64], accepted: &Accepted) -> Result<()> {
+        self.x.write()?[..displacement.len()].copy_from_slice(displacement);
+        self.problem.set_load(time)?;
+        self.problem.residual_norm = self.problem.out_of_balance(displacement)?;
+        self.accept(time);
+        self.work.total = accepted.energy.external;
+        self.energy = accepted.energy;
+        Ok(())
+    }
+
     fn accept(&mut self, time: f64) {
         self.time = time;
         if let Some(path) = &mut self.problem.path {

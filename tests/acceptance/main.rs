@@ -27,6 +27,7 @@ mod patches;
 mod path;
 mod ranks;
 mod reference;
+mod reduction;
 mod refinement;
 mod repeat;
 mod restart;

@@ -54,6 +54,8 @@ pub struct Scene {
     scattered: bool,
     may_cut: bool,
     fields: bool,
+    /// `reduce` of the case: the model asked for is what is tested, unless a test says otherwise.
+    reduce: &'static str,
 }
 
 /// What a run left behind.
@@ -86,14 +88,28 @@ impl Scene {
     /// A case of `cases/`.
     pub fn shipped(name: &str) -> Self {
         let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases").join(name);
-        Self { case, sets: Vec::new(), scattered: false, may_cut: false, fields: false }
+        Self {
+            case,
+            sets: Vec::new(),
+            scattered: false,
+            may_cut: false,
+            fields: false,
+            reduce: "never",
+        }
     }
 
     /// A case of its own.
     pub fn new(name: &str, yaml: &str) -> Self {
         let case = fresh().join(format!("{name}.yaml"));
         fs::write(&case, yaml).expect("the build directory is writable");
-        Self { case, sets: Vec::new(), scattered: false, may_cut: false, fields: false }
+        Self {
+            case,
+            sets: Vec::new(),
+            scattered: false,
+            may_cut: false,
+            fields: false,
+            reduce: "never",
+        }
     }
 
     /// The same with a value of the case replaced.
@@ -118,6 +134,11 @@ impl Scene {
         Self { fields: true, ..self.clone() }
     }
 
+    /// The same, for which a smaller model may serve.
+    pub fn reduced(&self) -> Self {
+        Self { reduce: "auto", ..self.clone() }
+    }
+
     /// Starts the scene with a fault (or none, if empty), its results in `directory`.
     pub fn launch(&self, ranks: usize, directory: &Path, fault: &str, more: &[&str]) -> Output {
         if !fault.is_empty() {
@@ -135,6 +156,7 @@ impl Scene {
     pub fn words(&self, directory: &Path) -> Vec<String> {
         let mut words = vec![self.case.to_string_lossy().into_owned()];
         words.extend(["--output".into(), directory.to_string_lossy().into_owned()]);
+        words.extend(["--set".into(), format!("reduce={}", self.reduce)]);
         words.extend(self.sets.iter().flat_map(|s| ["--set".to_string(), s.clone()]));
         words
     }
@@ -190,6 +212,7 @@ impl Scene {
         args.extend(["--output".into(), directory.to_string_lossy().into_owned()]);
         let fields = if self.fields { "all" } else { "none" };
         args.extend(["--overwrite".into(), "--set".into(), format!("output.fields={fields}")]);
+        args.extend(["--set".into(), format!("reduce={}", self.reduce)]);
         args.extend(self.sets.iter().flat_map(|s| ["--set".to_string(), s.clone()]));
         let args: Vec<&str> = args.iter().map(String::as_str).collect();
         let program = if self.scattered { "env" } else { PROGRAM };

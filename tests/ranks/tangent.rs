@@ -13,7 +13,7 @@ use column_hpc::mesh::{Column, LocalMesh};
 use column_hpc::partition::{self, Method, mix};
 use column_hpc::petsc::{LinearOperator, NonlinearSystem, Vector};
 use column_hpc::runtime::Runtime;
-use column_hpc::solve::{self, LinearChoice, MULTIGRID, Model};
+use column_hpc::solve::{self, Foundation, LinearChoice, MULTIGRID, Model};
 use column_hpc::timers::Timers;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -81,7 +81,10 @@ fn check(runtime: &Runtime, case: &Case, method: Method) -> BTreeSet<Branch> {
     for column in &columns[1..] {
         meshes.push(meshes[meshes.len() - 1].refined(column));
     }
-    let mut model = solve::build(runtime, &timers, case, choice, meshes).expect("a problem");
+    let finest = meshes.pop().expect("a mesh");
+    let foundation = Foundation::new(comm, case, finest).expect("a foundation");
+    let mut model =
+        solve::build(runtime, &timers, case, choice, foundation, meshes).expect("a problem");
     let mut seen = BTreeSet::new();
     for time in &case.time {
         let history = model.stepper.problem.interfaces.committed.clone();

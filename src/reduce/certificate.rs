@@ -1,0 +1,273 @@
+//! The proof that the states of a smaller model are those of the model asked for.
+
+use super::bound::{size_over_strain, size_over_values, stiffness_over_strain};
+use super::forces::add_forces;
+use super::lips::Lips;
+use super::refusal::loads_at;
+use super::{Prolongation, Snapshot};
+use crate::case::Case;
+use crate::comm::Comm;
+use crate::error::Result;
+use crate::solve::Foundation;
+
+/// Differences of this size, over the largest value, are rounding.
+const ROUNDING: f64 = 1e-12;
+/// Likewise of states of linear problems, which are combined from each other.
+const SAME: f64 = 64.0 * f64::EPSILON;
+
+/// What was shown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Proof {
+    /// Bound of the error in the energy norm, over the largest energy norm.
+    pub error_bound: f64,
+    /// What the softening takes of the stiffness against it, at most.
+    pub softening: f64,
+    /// Evaluations of the residual.
+    pub residuals: usize,
+}
+
+/// Shows how far the prolonged states of a smaller model are from those of the model of
+/// `foundation`. Collective.
+///
+/// The inner result is what stands in the way, in words.
+///
+/// # Errors
+/// As the loads and prescribed displacements of the case.
+pub fn prove(
+    comm: &Comm,
+    case: &Case,
+    foundation: &Foundation,
+    prolongation: &Prolongation,
+    states: &[Snapshot],
+) -> Result<std::result::Result<Proof, String>> {
+    let proof = Prover { comm, case, foundation, prolongation, states };
+    let lips = Lips { case, foundation, prolongation, states };
+    let strain = size_over_strain(case, &foundation.mesh.column, &lips.joints());
+    let (softening, strain) = match lips.softening().and_then(|share| Ok((share, strain?))) {
+        Ok(found) => found,
+        Err(why) => return Ok(Err(why)),
+    };
+    if let Some(why) = proof.differing_supports()? {
+        return Ok(Err(why));
+    }
+    let defect = proof.jump_defect();
+    let (residuals, norm, energy) = proof.residuals()?;
+    if energy == 0.0 {
+        return Ok(Err("nothing is deformed".into()));
+    }
+    let cells = foundation.mesh.prototypes.iter().map(|p| (p.size, p.order));
+    let mut least = [size_over_values(case.dim, cells)];
+    comm.min(&mut least);
+    // |e|^2 <= R.e / (1 - softening) and |e_j| <= sqrt(strain / (stiffness mass)) |e|.
+    let amplified = norm * (strain / (stiffness_over_strain(case) * least[0])).sqrt();
+    let error_bound = (amplified / ((1.0 - softening) * energy)).max(defect);
+    Ok(Ok(Proof { error_bound, softening, residuals }))
+}
+
+struct Prover<'p> {
+    comm: &'p Comm,
+    case: &'p Case,
+    foundation: &'p Foundation,
+    prolongation: &'p Prolongation,
+    states: &'p [Snapshot],
+}
+
+impl Prover<'_> {
+    /// What is prescribed and not met by the prolonged states, in words. Collective.
+    fn differing_supports(&self) -> Result<Option<String>> {
+        let Foundation { all, prescribed, .. } = self.foundation;
+        let owned = &all.nodes.names[..all.nodes.owned];
+        let held: Vec<(usize, [Option<usize>; 3])> = (0..owned.len())
+            .filter(|node| all.prescribed[*node] != [false; 3])
+            .map(|node| (node, prescribed.entries_of(owned[node])))
+            .collect();
+        let names: Vec<u64> = held.iter().map(|(node, _)| owned[*node]).collect();
+        let mut found = Ok(None);
+        'instants: for state in self.states {
+            let largest = largest(&state.displacement);
+            let u = self.prolongation.apply(&names, &state.displacement);
+            for ((node, entries), u) in held.iter().zip(u.chunks_exact(all.dim)) {
+                for (c, u) in u.iter().enumerate() {
+                    let Some(entry) = entries[c] else { continue };
+                    match prescribed.value(entry, c, owned[*node], state.time) {
+                        Ok(value) if (value - u).abs() <= ROUNDING * largest => {}
+                        Ok(_) => {
+                            let surface = prescribed.surface(entry);
+                            found = Ok(Some(format!("the displacement of {surface} is not met")));
+                            break 'instants;
+                        }
+                        Err(error) => {
+                            found = Err(error);
+                            break 'instants;
+                        }
+                    }
+                }
+            }
+        }
+        let found = self.comm.agree(found)?;
+        let differs = self.comm.any(found.is_some());
+        let elsewhere = || "a prescribed displacement is not met".to_owned();
+        Ok(differs.then(|| found.unwrap_or_else(elsewhere)))
+    }
+
+    /// The largest difference of the jump, and of the tractions that are interpolated, from those that
+    /// the law has answered with, over their scales. Collective.
+    fn jump_defect(&self) -> f64 {
+        let all = &self.foundation.all;
+        let dim = all.dim;
+        let secondary = &all.secondary[..all.owned_secondary()];
+        let mut nodes: Vec<u32> = secondary
+            .iter()
+            .flat_map(|rows| {
+                let others =
+                    rows.rows.iter().flatten().flat_map(|row| row.others.iter().map(|o| o.0));
+                others.chain([rows.node])
+            })
+            .collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let names: Vec<u64> = nodes.iter().map(|n| all.nodes.names[*n as usize]).collect();
+        let scale = self.states.iter().map(|s| largest(&s.displacement)).fold(0.0, f64::max);
+        let stress = self.largest_traction();
+        let mut u = vec![0.0; all.nodes.len() * dim];
+        let mut defect = 0.0_f64;
+        for state in self.states {
+            let values = self.prolongation.apply(&names, &state.displacement);
+            for (node, value) in nodes.iter().zip(values.chunks_exact(dim)) {
+                u[*node as usize * dim..][..dim].copy_from_slice(value);
+            }
+            for (index, rows) in secondary.iter().enumerate() {
+                let law = self.case.interfaces[rows.interface].law.law();
+                let length = law.typical_jump().unwrap_or(scale);
+                let name = all.nodes.names[rows.node as usize];
+                self.prolongation.parents(name, |parent, _| {
+                    let Some(parent) = &state.interface[parent] else { return };
+                    for c in (0..dim).filter(|c| rows.rows[*c].is_some()) {
+                        let jump = all.jump(index, c, &u) - parent.response.jump[c];
+                        defect = defect.max(jump.abs() / length);
+                    }
+                });
+                let traction = self.traction(state, name);
+                self.prolongation.parents(name, |parent, _| {
+                    let Some(parent) = &state.interface[parent] else { return };
+                    for (c, traction) in traction.iter().enumerate().take(dim) {
+                        let off = (parent.response.law_traction[c] - traction).abs();
+                        defect =
+                            defect.max(if off > ROUNDING * stress { off / stress } else { 0.0 });
+                    }
+                });
+            }
+        }
+        let mut defect = [defect];
+        self.comm.max(&mut defect);
+        defect[0]
+    }
+
+    /// The traction that the states give a node (Pa). Local.
+    fn traction(&self, state: &Snapshot, name: u64) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        self.prolongation.parents(name, |parent, weight| {
+            if let Some(parent) = &state.interface[parent] {
+                (0..3).for_each(|c| sum[c] += weight * parent.response.law_traction[c]);
+            }
+        });
+        sum
+    }
+
+    fn largest_traction(&self) -> f64 {
+        let nodes = self.states.iter().flat_map(|s| s.interface.iter().flatten());
+        nodes.map(|n| largest(&[n.response.law_traction])).fold(0.0, f64::max)
+    }
+
+    /// Number of states whose residual was evaluated, the largest 2-norm of a residual of all states
+    /// (N), and the largest energy norm (J^1/2). Collective.
+    ///
+    /// A residual is linear in displacements, tractions and loads, and does not feel translations of a
+    /// body: states that are combinations of others need no evaluation.
+    fn residuals(&self) -> Result<(usize, f64, f64)> {
+        let mut rest: Vec<Vec<f64>> = self.states.iter().map(|s| self.stacked(s)).collect();
+        // Of each state: the bound of its residual by its parts along the directions so far.
+        let mut parts = vec![0.0; rest.len()];
+        let (mut count, mut norm, mut energy) = (0, 0.0_f64, 0.0_f64);
+        let size = |v: &[f64]| dot(v, v).sqrt();
+        let largest = rest.iter().map(|v| size(v)).fold(0.0, f64::max);
+        loop {
+            let pick = (0..rest.len()).max_by(|a, b| size(&rest[*a]).total_cmp(&size(&rest[*b])));
+            let Some(pick) = pick.filter(|p| size(&rest[*p]) > SAME * largest) else { break };
+            let (found, own) = self.residual(&self.states[pick])?;
+            (count, norm, energy) = (count + 1, norm.max(found), energy.max(own));
+            // The direction is the state less its parts along the others.
+            let length = size(&rest[pick]);
+            let of_direction = (found + parts[pick]) / length;
+            let direction: Vec<f64> = rest[pick].iter().map(|x| x / length).collect();
+            for (rest, parts) in rest.iter_mut().zip(&mut parts) {
+                let along = dot(rest, &direction);
+                *parts += along.abs() * of_direction;
+                rest.iter_mut().zip(&direction).for_each(|(r, d)| *r -= along * d);
+            }
+            rest[pick].fill(0.0);
+            parts[pick] = found;
+        }
+        Ok((count, parts.into_iter().fold(norm, f64::max), energy))
+    }
+
+    /// Displacements less the translation of each body, tractions and loads of a state, all in Pa. Local.
+    fn stacked(&self, state: &Snapshot) -> Vec<f64> {
+        let modulus = self.case.materials.iter().map(|m| m.young_modulus).fold(0.0, f64::max);
+        let scale = modulus / self.foundation.mesh.column.size[2];
+        let displacement = self.without_translations(state);
+        let tractions = state.interface.iter().flatten().flat_map(|n| n.response.law_traction);
+        let strains = displacement.into_iter().flatten().map(|u| scale * u);
+        strains.chain(tractions).chain(loads_at(self.case, state.time)).collect()
+    }
+
+    /// The displacements of a state less those of one node of each body (m). Local.
+    fn without_translations(&self, state: &Snapshot) -> Vec<[f64; 3]> {
+        let mut displacement = state.displacement.clone();
+        let mut first = 0;
+        for (node, own) in displacement.iter_mut().enumerate() {
+            if self.prolongation.body_of(node) != self.prolongation.body_of(first) {
+                first = node;
+            }
+            own.iter_mut().zip(state.displacement[first]).for_each(|(u, of_first)| *u -= of_first);
+        }
+        displacement
+    }
+
+    /// The 2-norm of the residual of a prolonged state where nothing is prescribed (N), and its
+    /// energy norm (J^1/2). Collective.
+    fn residual(&self, state: &Snapshot) -> Result<(f64, f64)> {
+        let Foundation { all, loads, .. } = self.foundation;
+        let dim = all.dim;
+        let mut force = vec![0.0; all.nodes.len() * dim];
+        let displacement = self.without_translations(state);
+        let energy = add_forces(self.foundation, self.prolongation, &displacement, &mut force);
+        let mut sums = [0.0, energy];
+        let added = loads.add(state.time, |name, component, load| {
+            let node = all.nodes.local(name).expect("loads act on the rank's own cells") as usize;
+            force[node * dim + component] -= load;
+        });
+        self.comm.agree(added)?;
+        all.nodes.add_to_owners(&mut force, dim);
+        let traction = |index: usize, c: usize| {
+            self.traction(state, all.nodes.names[all.secondary[index].node as usize])[c]
+        };
+        let mut on_lips = vec![0.0; force.len()];
+        all.add_tractions(traction, &mut on_lips);
+        for node in 0..all.nodes.owned {
+            for c in (0..dim).filter(|c| !all.prescribed[node][*c]) {
+                sums[0] += (force[node * dim + c] + on_lips[node * dim + c]).powi(2);
+            }
+        }
+        self.comm.sum(&mut sums);
+        Ok((sums[0].sqrt(), sums[1].max(0.0).sqrt()))
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn largest(values: &[[f64; 3]]) -> f64 {
+    values.iter().flatten().fold(0.0, |m, v| m.max(v.abs()))
+}

@@ -1,0 +1,77 @@
+//! The smaller models that are tried.
+
+use crate::case::{Case, Linear, Reduce, Side, Surface};
+use crate::interface::Sides;
+use crate::mesh::Column;
+
+/// How far the smaller model is solved, over the tolerance of the case: its error counts as the
+/// reduction's.
+const TIGHTER: f64 = 1e-3;
+/// And at most; rounding is the limit where cells are many.
+const TIGHTEST: f64 = 1e-13;
+
+/// A smaller model has at most one of so many cells.
+const FEWER: u64 = 2;
+
+/// A smaller model.
+pub struct Candidate {
+    /// What it leaves out, in words.
+    pub left_out: &'static str,
+    /// Its lattice.
+    pub column: Column,
+    /// Whether it serves only where displacements are linear in each of its cells.
+    pub is_straight: bool,
+}
+
+/// What is left out, and the axes along which the cells are kept.
+const KINDS: [(&str, [bool; 3]); 4] = [
+    ("the column is uniform: one cell for each body and material", [false; 3]),
+    ("the column is uniform across its section: one cell wide", [false, false, true]),
+    ("nothing varies along y: a slice one cell deep", [true, false, true]),
+    ("nothing varies along x: a slice one cell wide", [false, true, true]),
+];
+
+/// The smaller models to try, smallest first; `wide` is the lattice that was asked for. Local.
+pub fn candidates(case: &Case, wide: &Column) -> Vec<Candidate> {
+    let has_weight =
+        case.gravity != [0.0; 3] || case.body_force.iter().any(|force| !force.is_zero());
+    let mut list: Vec<Candidate> = Vec::new();
+    for (left_out, keep) in KINDS {
+        // What acts inside the column bends its displacements, and nothing else that is uniform does.
+        let is_straight = keep == [false; 3];
+        if !keep[0] && !keep[1] && is_straight == has_weight {
+            continue;
+        }
+        if keep[0] != keep[1] && (case.dim == 2 || !is_held(case, usize::from(keep[0]))) {
+            continue;
+        }
+        let column = wide.narrowed(keep);
+        let is_new = list.iter().all(|c| c.column.cells() != column.cells());
+        if is_new && column.cells() * FEWER <= wide.cells() {
+            list.push(Candidate { left_out, column, is_straight });
+        }
+    }
+    list
+}
+
+/// Whether both faces across an axis are held along it, so that nothing need vary there.
+fn is_held(case: &Case, axis: usize) -> bool {
+    let faces = [[Surface::Left, Surface::Right], [Surface::Front, Surface::Back]][axis];
+    let held = |face: Surface| {
+        let mut entries = case.boundary.iter().filter(|entry| entry.on == face);
+        entries.any(|entry| entry.displacement[axis].is_some())
+    };
+    faces.into_iter().all(held)
+}
+
+/// The case of a smaller model of the one whose interfaces have these `sides`. Local.
+pub fn narrowed(case: &Case, sides: &[Sides]) -> Case {
+    let mut narrow = case.clone();
+    for (interface, side) in narrow.interfaces.iter_mut().zip(sides) {
+        interface.secondary = Some(if side.secondary.upper { Side::Lower } else { Side::Upper });
+    }
+    narrow.solver.linear = Linear::Mumps;
+    narrow.solver.tolerance = (TIGHTER * case.solver.tolerance).max(TIGHTEST);
+    narrow.reduce = Reduce::Never;
+    narrow
+}

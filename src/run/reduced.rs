@@ -1,0 +1,219 @@
+//! Runs whose states come from a smaller model.
+
+use std::time::Instant;
+
+use super::{history, probes};
+use crate::case::Case;
+use crate::error::{Error, Result};
+use crate::mesh::LocalMesh;
+use crate::reduce::{
+    Candidate, Certificate, Prolongation, Reduction, Situation, Snapshot, are_straight, candidates,
+    narrowed, prove, refusal,
+};
+use crate::runtime::Runtime;
+use crate::solve::{self, Accepted, Foundation, LinearChoice, Model};
+use crate::timers::{Phase, Timers};
+
+/// The solution of a smaller model that serves in the place of the one asked for.
+pub struct Reduced {
+    prolongation: Prolongation,
+    states: Vec<Snapshot>,
+    /// The row of the history and what it took, for each instant.
+    rows: Vec<(Vec<Option<f64>>, Accepted)>,
+    unknowns: u64,
+}
+
+/// Solves a smaller model and proves that it serves; else tells why the model asked for is needed.
+/// Collective.
+///
+/// # Errors
+/// `Stopped` on a signal, `System` when PETSc fails.
+pub fn attempt(
+    runtime: &Runtime,
+    timers: &Timers,
+    case: &Case,
+    foundation: &Foundation,
+    situation: Situation,
+) -> Result<(Reduction, Option<Reduced>)> {
+    if let Some(why) = refusal(case, situation) {
+        return Ok((Reduction::none(why), None));
+    }
+    let _phase = timers.enter(Phase::Solve);
+    let wide = &foundation.mesh.column;
+    let mut why = "the mesh has no cells to leave out".to_owned();
+    for candidate in candidates(case, wide) {
+        let started = Instant::now();
+        let mut reduced = match solve(runtime, timers, case, foundation, &candidate)? {
+            Ok(reduced) => reduced,
+            Err(reason) => return Ok((Reduction::none(reason), None)),
+        };
+        let solution_seconds = started.elapsed().as_secs_f64();
+        let started = Instant::now();
+        let is_straight = |s: &Snapshot| are_straight(&candidate.column, &s.displacement);
+        if candidate.is_straight && !reduced.states.iter().all(is_straight) {
+            why = "the displacements vary across the section".into();
+            continue;
+        }
+        let (comm, prolongation) = (&runtime.comm, &reduced.prolongation);
+        let proof = match prove(comm, case, foundation, prolongation, &reduced.states)? {
+            Ok(proof) => proof,
+            Err(reason) => return Ok((Reduction::none(reason), None)),
+        };
+        if proof.error_bound <= case.solver.tolerance {
+            let certificate = Certificate {
+                error_bound: proof.error_bound,
+                softening: proof.softening,
+                unknowns_asked: situation.unknowns,
+                unknowns_solved: reduced.unknowns,
+                residuals: proof.residuals,
+                solution_seconds,
+                proof_seconds: started.elapsed().as_secs_f64(),
+            };
+            reduced.fill(runtime, case, foundation);
+            let why = candidate.left_out.to_owned();
+            let reduction = Reduction { applied: true, why, certificate: Some(certificate) };
+            return Ok((reduction, Some(reduced)));
+        }
+        why = format!(
+            "without what varies across the section the error could be {:.1e} of the solution \
+             (solver.tolerance is {:.1e})",
+            proof.error_bound, case.solver.tolerance
+        );
+    }
+    Ok((Reduction::none(why), None))
+}
+
+/// The solution of a smaller model, or why there is none. Every rank
+/// finds it by itself, which costs less than to share it. Collective.
+fn solve(
+    runtime: &Runtime,
+    timers: &Timers,
+    case: &Case,
+    foundation: &Foundation,
+    candidate: &Candidate,
+) -> Result<std::result::Result<Reduced, String>> {
+    let alone = runtime.alone();
+    let narrow = narrowed(case, &foundation.sides);
+    let instants = instants(&alone, timers, &narrow, candidate);
+    let found = match runtime.comm.agree(instants) {
+        Ok(found) => found,
+        Err(Error::Numerics(reason)) => return Ok(Err(reason)),
+        Err(error) => return Err(error),
+    };
+    let (states, rows, unknowns) = match found {
+        Ok(found) => found,
+        Err(reason) => return Ok(Err(reason)),
+    };
+    let prolongation = Prolongation::new(&candidate.column, &foundation.mesh.column);
+    Ok(Ok(Reduced { prolongation, states, rows, unknowns }))
+}
+
+type Solved = (Vec<Snapshot>, Vec<(Vec<Option<f64>>, Accepted)>, u64);
+
+/// The states of a smaller model at all instants.
+fn instants(
+    alone: &Runtime,
+    timers: &Timers,
+    narrow: &Case,
+    candidate: &Candidate,
+) -> Result<std::result::Result<Solved, String>> {
+    let comm = &alone.comm;
+    let cells: Vec<u64> = (0..candidate.column.cells()).collect();
+    let mesh = LocalMesh::new(&candidate.column, cells, candidate.column.cells());
+    let small = Foundation::new(comm, narrow, mesh)?;
+    let choice = LinearChoice::new(narrow, &candidate.column);
+    let mut model = solve::build(alone, timers, narrow, choice, small, Vec::new())?;
+    let probes = probes::locate(narrow, &model.mesh);
+    let (mut states, mut rows) = (Vec::new(), Vec::new());
+    for time in &narrow.time {
+        let accepted = model.stepper.advance(*time)?;
+        rows.push((history::row(narrow, &model, &probes, *time, &accepted, comm), accepted));
+        states.push(Snapshot::of(&model));
+    }
+    let stepper = &model.stepper;
+    let found = [stepper.instabilities_in_words(), stepper.bifurcations_in_words()].concat();
+    if let Some(first) = found.into_iter().next() {
+        return Ok(Err(first));
+    }
+    Ok(Ok((states, rows, model.unknowns)))
+}
+
+impl Reduced {
+    /// Why the model asked for has no linear solver, in words.
+    pub fn why_no_solver(&self) -> String {
+        format!("the {} unknowns of the smaller model are eliminated", self.unknowns)
+    }
+
+    /// Completes the rows of the history by what vanishes where the smaller model has no node. Collective.
+    fn fill(&mut self, runtime: &Runtime, case: &Case, foundation: &Foundation) {
+        let all = &foundation.all;
+        let mut has = vec![0.0; 3 * case.interfaces.len()];
+        for rows in &all.secondary[..all.owned_secondary()] {
+            for c in (0..case.dim).filter(|c| rows.rows[*c].is_some()) {
+                has[3 * rows.interface + c] = 1.0;
+            }
+        }
+        runtime.comm.max(&mut has);
+        for (row, _) in &mut self.rows {
+            history::fill(case, row, |interface, c| has[3 * interface + c] > 0.0);
+        }
+    }
+
+    /// What took the state of an instant, by its place in the list, and its row of the history. Local.
+    pub fn instant(&self, number: usize) -> (Accepted, Vec<Option<f64>>) {
+        let (row, accepted) = &self.rows[number];
+        (*accepted, row.clone())
+    }
+
+    /// Gives the fields of `model` the values of an instant. Local.
+    pub fn show(&self, model: &mut Model<'_>, number: usize) {
+        let state = &self.states[number];
+        let problem = &mut model.stepper.problem;
+        let all = &problem.all;
+        problem.displacement = self.prolongation.apply(&all.nodes.names, &state.displacement);
+        for (index, response) in problem.interfaces.response.iter_mut().enumerate() {
+            let rows = &all.secondary[index];
+            let name = all.nodes.names[rows.node as usize];
+            let mut traction = [0.0; 3];
+            let mut heaviest = 0.0;
+            self.prolongation.parents(name, |parent, weight| {
+                let Some(parent) = &state.interface[parent] else { return };
+                let own = parent.response.bulk_traction;
+                (0..3).for_each(|c| traction[c] += weight * own[c]);
+                if weight > heaviest {
+                    (heaviest, *response) = (weight, parent.response);
+                }
+            });
+            response.bulk_traction = traction;
+        }
+    }
+
+    /// Makes the state of an instant the accepted one of `model`, so that a checkpoint can be written.
+    /// Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn adopt(&self, model: &mut Model<'_>, number: usize) -> Result<()> {
+        if let Some(before) = number.checked_sub(1) {
+            let state = &self.states[before];
+            let problem = &mut model.stepper.problem;
+            for index in 0..problem.interfaces.committed.len() {
+                let node = problem.all.secondary[index].node as usize;
+                let name = problem.all.nodes.names[node];
+                let mut heaviest = 0.0;
+                self.prolongation.parents(name, |parent, weight| {
+                    let Some(parent) = state.interface[parent].filter(|_| weight > heaviest) else {
+                        return;
+                    };
+                    heaviest = weight;
+                    problem.interfaces.committed[index] = parent.response.history;
+                    problem.interfaces.dissipated[index] = parent.dissipated;
+                });
+            }
+        }
+        let (accepted, state) = (&self.rows[number].1, &self.states[number]);
+        let nodes = &model.stepper.problem.all.nodes;
+        let u = self.prolongation.apply(&nodes.names[..nodes.owned], &state.displacement);
+        model.stepper.adopt(state.time, &u, accepted)
+    }
+}
