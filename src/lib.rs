@@ -24,5 +24,6 @@ pub mod solve;
 pub mod output;
 pub mod report;
 pub mod study;
+pub mod page;
 pub mod cli;
 pub mod run;

@@ -4,6 +4,7 @@ mod check;
 mod checkpoint;
 mod fields;
 mod history;
+mod page;
 mod probes;
 mod resources;
 mod screen;
@@ -144,7 +145,7 @@ pub fn run_case(runtime: &Runtime, timers: &Timers, options: &RunOptions) -> Res
     screen::describe(comm, &case, &model);
     let mut session = Session::new(comm, timers, &case, directory, state);
     let solved = session.solve(&mut model);
-    session.close(runtime, &model, solved)
+    session.close(runtime, &model, solved, options.report)
 }
 
 /// The case as every rank sees it; rank 0 reads the file. Collective.

@@ -18,6 +18,7 @@ pub(crate) const COLORS: [RGBColor; 7] = [
 pub(crate) const INK: RGBColor = RGBColor(30, 30, 30);
 const GREY: RGBColor = RGBColor(130, 130, 130);
 const GRID: RGBColor = RGBColor(228, 228, 228);
+const ZERO: RGBColor = RGBColor(176, 176, 176);
 
 /// Heights of text.
 pub(crate) const TITLE: f64 = 17.0;
@@ -39,6 +40,27 @@ pub(crate) struct Line {
     pub failed: Vec<f64>,
     /// Number of its colour and marker; none for a grey line of dashes that guides the eye.
     pub style: Option<usize>,
+    pub look: Look,
+}
+
+/// What is drawn of a line that has a style.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Look {
+    /// A marker at each point, and what joins them.
+    Marked,
+    /// What joins the points.
+    Joined,
+    /// The markers.
+    Points,
+    /// What joins the points, broad, for what others lie on.
+    Band,
+}
+
+impl Line {
+    /// Without ranges and failures.
+    pub fn new(name: &str, points: Vec<(f64, f64)>, style: Option<usize>, look: Look) -> Self {
+        Self { name: name.to_owned(), points, spreads: Vec::new(), failed: Vec::new(), style, look }
+    }
 }
 
 /// One pair of axes.
@@ -76,7 +98,7 @@ impl Panels {
     fn legend(&self) -> Vec<(Mark, String)> {
         let mut entries: Vec<(Mark, String)> = Vec::new();
         for line in self.panels.iter().flat_map(|panel| &panel.lines) {
-            let mark = line.style.map_or(Mark::Guide, Mark::Line);
+            let mark = line.style.map_or(Mark::Guide, |style| Mark::Line(style, line.look));
             if !line.name.is_empty() && !entries.iter().any(|(_, name)| *name == line.name) {
                 entries.push((mark, line.name.clone()));
             }
@@ -96,9 +118,14 @@ impl Panels {
     }
 }
 
+/// Zero stands out.
+fn grid(text: &str) -> RGBColor {
+    if text == "0" { ZERO } else { GRID }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Mark {
-    Line(usize),
+    Line(usize, Look),
     Guide,
     Front,
     Failed,
@@ -126,9 +153,11 @@ impl Figure for Panels {
             let y = 58.0 + ENTRY * number as f64;
             let (from, to, middle) = ((left, y), (left + 30.0, y), (left + 15.0, y));
             match mark {
-                Mark::Line(style) => {
-                    canvas.line(&[from, to], COLORS[style % COLORS.len()], 2.0)?;
-                    marker(canvas, middle, style)?;
+                Mark::Line(style, look) => {
+                    joined(canvas, &[from, to], style, look)?;
+                    if look.has_markers() {
+                        marker(canvas, middle, style)?;
+                    }
                 }
                 Mark::Guide => canvas.dashes(&[from, to], GREY, 1.2)?,
                 Mark::Front => {
@@ -153,7 +182,7 @@ impl Panel {
         let mut before = f64::NEG_INFINITY;
         for (place, text) in self.x.marks() {
             let x = left + place * wide;
-            canvas.line(&[(x, top), (x, bottom)], GRID, 1.0)?;
+            canvas.line(&[(x, top), (x, bottom)], grid(&text), 1.0)?;
             canvas.line(&[(x, bottom), (x, bottom + 5.0)], INK, 1.0)?;
             // A number that would touch the one before is left out.
             let half = 0.5 * width(&text, TEXT);
@@ -164,7 +193,7 @@ impl Panel {
         }
         for (place, text) in self.y.marks() {
             let y = bottom - place * high;
-            canvas.line(&[(left, y), (right, y)], GRID, 1.0)?;
+            canvas.line(&[(left, y), (right, y)], grid(&text), 1.0)?;
             canvas.line(&[(left - 5.0, y), (left, y)], INK, 1.0)?;
             canvas.text(&text, (left - 9.0, y), TEXT, INK, Anchor::Right)?;
         }
@@ -183,7 +212,7 @@ impl Panel {
             let color = line.style.map_or(GREY, |style| COLORS[style % COLORS.len()]);
             let points: Vec<(f64, f64)> = line.points.iter().filter_map(|p| at(*p)).collect();
             match line.style {
-                Some(_) if points.len() > 1 => canvas.line(&points, color, 2.0)?,
+                Some(style) if points.len() > 1 => joined(canvas, &points, style, line.look)?,
                 None if points.len() > 1 => canvas.dashes(&points, color, 1.2)?,
                 _ => {}
             }
@@ -195,8 +224,8 @@ impl Panel {
         }
         for line in &self.lines {
             let Some(style) = line.style else { continue };
-            for point in line.points.iter().filter_map(|p| at(*p)) {
-                marker(canvas, point, style)?;
+            for point in line.points.iter().filter(|_| line.look.has_markers()) {
+                at(*point).map_or(Ok(()), |point| marker(canvas, point, style))?;
             }
             // Side by side, where runs of several lines failed at one place.
             let shift = 7.0 * (style as f64 - 0.5 * (self.lines.len() as f64 - 1.0));
@@ -210,6 +239,60 @@ impl Panel {
         }
         Ok(())
     }
+}
+
+impl Look {
+    fn has_markers(self) -> bool {
+        matches!(self, Look::Marked | Look::Points)
+    }
+}
+
+/// What joins the points of a style.
+fn joined<B: DrawingBackend>(
+    canvas: &Canvas<'_, B>,
+    points: &[(f64, f64)],
+    style: usize,
+    look: Look,
+) -> Drawn {
+    let color = COLORS[style % COLORS.len()];
+    match look {
+        Look::Marked => canvas.line(points, color, 2.0),
+        // What is dense would follow the pixels.
+        Look::Joined => canvas.line(&without_needless(points), color, 2.0),
+        Look::Band => canvas.line(&without_needless(points), color, 5.0),
+        Look::Points => Ok(()),
+    }
+}
+
+/// How far a point may be from the line that is drawn without it, in pixels.
+const NEEDLESS: f64 = 0.4;
+
+/// The points without which the line would be another one (Douglas and Peucker).
+fn without_needless(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let mut kept = vec![false; points.len()];
+    let mut pieces = vec![(0, points.len().saturating_sub(1))];
+    while let Some((first, last)) = pieces.pop() {
+        if points.is_empty() {
+            break;
+        }
+        (kept[first], kept[last]) = (true, true);
+        let between = first + 1..last.max(first + 1);
+        let off = |i: usize| from_line(points[i], points[first], points[last]);
+        let farthest = between.max_by(|a, b| off(*a).total_cmp(&off(*b)));
+        if let Some(middle) = farthest.filter(|i| off(*i) > NEEDLESS) {
+            pieces.extend([(first, middle), (middle, last)]);
+        }
+    }
+    points.iter().zip(kept).filter(|(_, kept)| *kept).map(|(point, _)| *point).collect()
+}
+
+/// How far a point is from the line between two others, ends included.
+fn from_line(p: (f64, f64), from: (f64, f64), to: (f64, f64)) -> f64 {
+    let along = (to.0 - from.0, to.1 - from.1);
+    let length = along.0.powi(2) + along.1.powi(2);
+    let share = (p.0 - from.0) * along.0 + (p.1 - from.1) * along.1;
+    let share = if length > 0.0 { (share / length).clamp(0.0, 1.0) } else { 0.0 };
+    (p.0 - from.0 - share * along.0).hypot(p.1 - from.1 - share * along.1)
 }
 
 fn cross<B: DrawingBackend>(canvas: &Canvas<'_, B>, at: (f64, f64), color: RGBColor) -> Drawn {

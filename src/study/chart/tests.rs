@@ -8,6 +8,7 @@ fn panels() -> Panels {
         spreads: vec![(1.0, 0.02, 0.05)],
         failed: vec![3.0],
         style: Some(style),
+        look: Look::Marked,
     };
     let lines = (0..6).map(|s| line(s, &[(1.0, 0.03), (10.0, 1e-5 * (s + 1) as f64)])).collect();
     let panel = Panel {
