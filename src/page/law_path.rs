@@ -16,7 +16,7 @@ pub(super) struct Mean {
 pub(super) type Curve = Vec<(f64, f64)>;
 
 /// Samples of the whole path, and the fewest between two instants.
-const SAMPLES: usize = 600;
+const SAMPLES: usize = 4000;
 const FEWEST: usize = 4;
 
 /// The law's answer where the augmented traction t + r w goes in straight lines from mean to mean, for

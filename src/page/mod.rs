@@ -2,7 +2,9 @@
 
 mod case;
 mod figures;
+mod interfaces;
 mod law_path;
+mod loads;
 mod outcome;
 mod over_time;
 mod words;
@@ -65,9 +67,9 @@ pub fn page(run: &Run<'_>) -> Result<String> {
     outcome::summary(&mut html, run);
     outcome::warnings(&mut html, run);
     outcome::expectations(&mut html, run);
-    section(&mut html, "Interfaces", &figures::interfaces(run))?;
-    section(&mut html, "Load and displacement", &figures::load_displacement(run))?;
-    section(&mut html, "Over time", &over_time::figures(run))?;
+    section(&mut html, "Interfaces", &interfaces::charts(run))?;
+    section(&mut html, "Load and displacement", &loads::charts(run))?;
+    section(&mut html, "Over time", &over_time::charts(run))?;
     section(&mut html, "Convergence", &over_time::convergence(run))?;
     outcome::instants(&mut html, run);
     outcome::times(&mut html, run);

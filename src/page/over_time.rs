@@ -20,7 +20,7 @@ struct Chart {
 }
 
 /// What is recorded, over the instants.
-pub(super) fn figures(run: &Run<'_>) -> Charts {
+pub(super) fn charts(run: &Run<'_>) -> Charts {
     let mut charts = Charts { figures: Vec::new(), words: Vec::new() };
     let Some(times) = column(run.history, "time").filter(|times| !times.is_empty()) else {
         return charts;
@@ -64,7 +64,7 @@ pub(super) fn figures(run: &Run<'_>) -> Charts {
         };
         charts.figures.push(Figure {
             id: chart.id.to_owned(),
-            panels: Panels { title: chart.title.to_owned(), panels: vec![panel] },
+            panels: Panels { title: chart.title.to_owned(), panels: vec![panel], below: true },
             caption,
         });
     }
@@ -240,7 +240,11 @@ pub(super) fn convergence(run: &Run<'_>) -> Charts {
     }
     charts.figures.push(Figure {
         id: "convergence".to_owned(),
-        panels: Panels { title: "Convergence".to_owned(), panels },
+        panels: Panels {
+            title: "Corrections and balance by instant".to_owned(),
+            panels,
+            below: true,
+        },
         caption: caption.trim_end().to_owned(),
     });
     charts

@@ -198,7 +198,7 @@ impl Rows<'_> {
             front: front.iter().map(|(_, point)| *point).collect(),
         };
         let runs = front.into_iter().map(|(run, _)| run).collect();
-        (Panels { title: self.chart.title.clone(), panels: vec![panel] }, runs)
+        (Panels { title: self.chart.title.clone(), panels: vec![panel], below: false }, runs)
     }
 
     /// What a logarithmic scale has no place for, in words.
@@ -289,7 +289,7 @@ impl Rows<'_> {
             let ranks = ranks.join(", ");
             vec![format!("Not shown: {ranks} ranks, which share the cores of the machine.")]
         };
-        (Panels { title: self.chart.title.clone(), panels }, remarks)
+        (Panels { title: self.chart.title.clone(), panels, below: false }, remarks)
     }
 
     fn map(&self) -> Map {

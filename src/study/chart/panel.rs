@@ -23,6 +23,7 @@ const ZERO: RGBColor = RGBColor(176, 176, 176);
 /// Heights of text.
 pub(crate) const TITLE: f64 = 17.0;
 pub(crate) const TEXT: f64 = 13.0;
+const LABEL: f64 = 12.0;
 
 /// Number of markers.
 const MARKERS: usize = 5;
@@ -41,6 +42,8 @@ pub(crate) struct Line {
     /// Number of its colour and marker; none for a grey line of dashes that guides the eye.
     pub style: Option<usize>,
     pub look: Look,
+    /// Beside the points; none, or one for each.
+    pub labels: Vec<String>,
 }
 
 /// What is drawn of a line that has a style.
@@ -59,7 +62,8 @@ pub(crate) enum Look {
 impl Line {
     /// Without ranges and failures.
     pub fn new(name: &str, points: Vec<(f64, f64)>, style: Option<usize>, look: Look) -> Self {
-        Self { name: name.to_owned(), points, spreads: Vec::new(), failed: Vec::new(), style, look }
+        let (spreads, failed, labels) = (Vec::new(), Vec::new(), Vec::new());
+        Self { name: name.to_owned(), points, spreads, failed, style, look, labels }
     }
 }
 
@@ -80,6 +84,8 @@ pub(crate) struct Panel {
 pub(crate) struct Panels {
     pub title: String,
     pub panels: Vec<Panel>,
+    /// Whether the legend is below the panels, not beside them.
+    pub below: bool,
 }
 
 struct Frame {
@@ -91,6 +97,8 @@ struct Frame {
 
 const PANEL: (f64, f64) = (520.0, 400.0);
 const MARGIN: f64 = 16.0;
+/// Room left of a panel for its numbers and its label.
+const BEFORE: f64 = 74.0;
 /// Height of a line of the legend.
 const ENTRY: f64 = 21.0;
 
@@ -116,6 +124,30 @@ impl Panels {
         let widths = self.legend().into_iter().map(|(_, name)| width(&name, TEXT));
         widths.fold(0.0, f64::max) + 50.0
     }
+
+    fn panels_width(&self) -> f64 {
+        PANEL.0 * self.panels.len() as f64
+    }
+
+    /// Where each entry of the legend begins.
+    fn places(&self, legend: &[(Mark, String)]) -> Vec<(f64, f64)> {
+        if !self.below {
+            let left = MARGIN + self.panels_width();
+            return (0..legend.len()).map(|i| (left, 58.0 + ENTRY * i as f64)).collect();
+        }
+        let (left, top) = (MARGIN + BEFORE, PANEL.1 + 56.0);
+        let (mut x, mut y) = (left, top);
+        let mut places = Vec::new();
+        for (_, name) in legend {
+            let wide = width(name, TEXT) + 62.0;
+            if x > left && x + wide > MARGIN + self.panels_width() {
+                (x, y) = (left, y + ENTRY);
+            }
+            places.push((x, y));
+            x += wide;
+        }
+        places
+    }
 }
 
 /// Zero stands out.
@@ -133,9 +165,11 @@ enum Mark {
 
 impl Figure for Panels {
     fn size(&self) -> (u32, u32) {
-        let wide = PANEL.0 * self.panels.len() as f64 + self.legend_width() + 2.0 * MARGIN;
+        let beside = if self.below { 0.0 } else { self.legend_width() };
+        let wide = self.panels_width() + beside + 2.0 * MARGIN;
         let title = width(&self.title, TITLE) + 2.0 * MARGIN;
-        let high = (PANEL.1 + 50.0).max(60.0 + ENTRY * self.legend().len() as f64);
+        let lowest = self.places(&self.legend()).last().map_or(0.0, |place| place.1);
+        let high = (PANEL.1 + 50.0).max(lowest + ENTRY);
         (wide.max(title) as u32, high as u32)
     }
 
@@ -144,13 +178,16 @@ impl Figure for Panels {
         for (number, panel) in self.panels.iter().enumerate() {
             let left = MARGIN + PANEL.0 * number as f64;
             // Room for numbers and labels.
-            let frame =
-                Frame { left: left + 74.0, top: 46.0, wide: PANEL.0 - 92.0, high: PANEL.1 - 56.0 };
+            let frame = Frame {
+                left: left + BEFORE,
+                top: 46.0,
+                wide: PANEL.0 - 92.0,
+                high: PANEL.1 - 56.0,
+            };
             panel.draw(canvas, &frame)?;
         }
-        let left = MARGIN + PANEL.0 * self.panels.len() as f64;
-        for (number, (mark, name)) in self.legend().into_iter().enumerate() {
-            let y = 58.0 + ENTRY * number as f64;
+        let legend = self.legend();
+        for ((left, y), (mark, name)) in self.places(&legend).into_iter().zip(legend) {
             let (from, to, middle) = ((left, y), (left + 30.0, y), (left + 15.0, y));
             match mark {
                 Mark::Line(style, look) => {
@@ -213,7 +250,9 @@ impl Panel {
             let points: Vec<(f64, f64)> = line.points.iter().filter_map(|p| at(*p)).collect();
             match line.style {
                 Some(style) if points.len() > 1 => joined(canvas, &points, style, line.look)?,
-                None if points.len() > 1 => canvas.dashes(&points, color, 1.2)?,
+                None if points.len() > 1 => {
+                    canvas.dashes(&without_needless(&points), color, 1.2)?;
+                }
                 _ => {}
             }
             for (x, low, high) in &line.spreads {
@@ -233,6 +272,10 @@ impl Panel {
                 let x = (x + shift).clamp(left, right);
                 cross(canvas, (x, top), COLORS[style % COLORS.len()])?;
             }
+        }
+        for line in &self.lines {
+            let points = line.points.iter().map(|p| at(*p));
+            labels(canvas, frame, points.zip(&line.labels))?;
         }
         for point in self.front.iter().filter_map(|p| at(*p)) {
             canvas.circle(point, 8.0, INK, Some(1.6))?;
@@ -293,6 +336,30 @@ fn from_line(p: (f64, f64), from: (f64, f64), to: (f64, f64)) -> f64 {
     let share = (p.0 - from.0) * along.0 + (p.1 - from.1) * along.1;
     let share = if length > 0.0 { (share / length).clamp(0.0, 1.0) } else { 0.0 };
     (p.0 - from.0 - share * along.0).hypot(p.1 - from.1 - share * along.1)
+}
+
+/// Labels up and right of points; those of one place side by side.
+fn labels<'l, B: DrawingBackend>(
+    canvas: &Canvas<'_, B>,
+    frame: &Frame,
+    labels: impl Iterator<Item = (Option<(f64, f64)>, &'l String)>,
+) -> Drawn {
+    let mut places: Vec<((f64, f64), String)> = Vec::new();
+    for (point, label) in labels.filter_map(|(point, label)| Some((point?, label))) {
+        let same = |p: &(f64, f64)| (p.0 - point.0).hypot(p.1 - point.1) < 8.0;
+        match places.iter_mut().find(|(p, _)| same(p)) {
+            Some((_, text)) => *text = format!("{text}, {label}"),
+            None => places.push((point, label.clone())),
+        }
+    }
+    for ((x, y), text) in places {
+        let fits = x + 7.0 + width(&text, LABEL) < frame.left + frame.wide;
+        let (x, anchor) = if fits { (x + 7.0, Anchor::Left) } else { (x - 7.0, Anchor::Right) };
+        // At the upper edge there is more room below.
+        let y = if y - 16.0 > frame.top { y - 9.0 } else { y + 11.0 };
+        canvas.text(&text, (x, y), LABEL, INK, anchor)?;
+    }
+    Ok(())
 }
 
 fn cross<B: DrawingBackend>(canvas: &Canvas<'_, B>, at: (f64, f64), color: RGBColor) -> Drawn {

@@ -9,6 +9,7 @@ fn panels() -> Panels {
         failed: vec![3.0],
         style: Some(style),
         look: Look::Marked,
+        labels: Vec::new(),
     };
     let lines = (0..6).map(|s| line(s, &[(1.0, 0.03), (10.0, 1e-5 * (s + 1) as f64)])).collect();
     let panel = Panel {
@@ -19,7 +20,7 @@ fn panels() -> Panels {
         lines,
         front: vec![(1.0, 0.03)],
     };
-    Panels { title: "Error against cost".into(), panels: vec![panel] }
+    Panels { title: "Error against cost".into(), panels: vec![panel], below: false }
 }
 
 #[test]
@@ -58,5 +59,9 @@ fn an_empty_chart_is_drawn_too() {
         lines: Vec::new(),
         front: Vec::new(),
     };
-    assert!(svg(&Panels { title: String::new(), panels: vec![empty] }).unwrap().contains("<svg"));
+    assert!(
+        svg(&Panels { title: String::new(), panels: vec![empty], below: false })
+            .unwrap()
+            .contains("<svg")
+    );
 }
