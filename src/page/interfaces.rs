@@ -27,7 +27,7 @@ pub(super) fn charts(run: &Run<'_>) -> Charts {
     }
     charts.words.push(
         "Means over each interface at the instants of the case, which are numbered where they are few. The \
-         band is the law along the path of \
+         band is the law on the path of \
          these means: an interface that opens evenly lies on it, one that tilts or breaks bit by bit need \
          not. Tension and opening are positive."
             .to_owned(),
@@ -125,11 +125,11 @@ impl Curves<'_> {
         let (x, y) = (Unit::of("m", every().map(|p| p.0)), Unit::of("Pa", every().map(|p| p.1)));
         let look = look(measured.len(), false);
         let lines = vec![
-            Line::new("law along the path", path.clone(), Some(LAW), Look::Band),
+            Line::new("law on the path", path.clone(), Some(LAW), Look::Band),
             Line::new("law, first loading", first, None, Look::Joined),
             Line {
                 labels: numbers(1, measured.len()),
-                ..Line::new("computed mean", measured.clone(), Some(COMPUTED), look)
+                ..Line::new("computed", measured.clone(), Some(COMPUTED), look)
             },
         ];
         let normal = if effective { "effective normal traction" } else { "normal traction" };

@@ -52,13 +52,15 @@ pub(super) fn charts(run: &Run<'_>) -> Charts {
         panels = by_probes(run);
     }
     if panels.is_empty() {
-        if case.boundary.iter().any(|entry| entry.traction.iter().flatten().any(changes(case))) {
-            charts.words.push(
-                "No displacement is imposed that changes, and no probe tells one: name a probe for a curve \
-                 of load over displacement."
-                    .to_owned(),
-            );
-        }
+        let tractions = case.boundary.iter().flat_map(|entry| entry.traction.iter().flatten());
+        let words = if tractions.into_iter().any(changes(case)) {
+            "No displacement is imposed that changes, and no probe tells one: name a probe for a curve of \
+             load over displacement."
+        } else {
+            "Neither a displacement nor a traction is imposed that changes: there is no load to draw over \
+             a displacement."
+        };
+        charts.words.push(words.to_owned());
         return charts;
     }
     charts.words.push(format!(

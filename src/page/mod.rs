@@ -120,3 +120,6 @@ fn described(panels: &Panels) -> String {
     let axes = panels.panels.iter().map(|p| format!("{} over {}", p.y_label, p.x_label));
     format!("{}: {}", panels.title, axes.collect::<Vec<_>>().join("; "))
 }
+
+#[cfg(test)]
+mod tests;

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use serde_json::Value;
 
 use super::Run;
+use super::over_time::time_label;
 use super::words::{flat, number, number_or_dash, table};
 use crate::study::page::escaped;
 
@@ -157,7 +158,8 @@ pub(super) fn instants(html: &mut String, run: &Run<'_>) {
     let few = &interfaces[..interfaces.len().min(4)];
     let open = if all.len() <= SHOWN { " open" } else { "" };
     let _ = writeln!(html, "<details{open}><summary>{} instants</summary>", all.len());
-    let mut head = vec!["time [s]".to_owned(), "corrections".into(), "linear iterations".into()];
+    let mut head =
+        vec![time_label(run).to_owned(), "corrections".into(), "linear iterations".into()];
     for interface in few {
         let name = &interface.name;
         head.extend(
@@ -225,7 +227,8 @@ fn grouped(value: u64) -> String {
 /// `3.2 ms`, `12 s`, `1 h 02 min`.
 fn duration(seconds: f64) -> String {
     match seconds {
-        s if s < 1.0 => format!("{:.3} s", s),
+        s if s < 0.001 => "< 1 ms".to_owned(),
+        s if s < 1.0 => format!("{:.0} ms", s * 1e3),
         s if s < 100.0 => format!("{} s", number((s * 100.0).round() / 100.0)),
         s if s < 3600.0 => format!("{:.0} min {:02.0} s", (s / 60.0).floor(), (s % 60.0).floor()),
         s => format!("{:.0} h {:02.0} min", (s / 3600.0).floor(), (s % 3600.0 / 60.0).floor()),
@@ -244,7 +247,7 @@ mod tests {
     fn numbers_are_grouped_and_times_handy() {
         assert_eq!(grouped(1234), "1234");
         assert_eq!(grouped(1_234_567), "1\u{202f}234\u{202f}567");
-        assert_eq!(duration(0.0124), "0.012 s");
+        assert_eq!(duration(0.0124), "12 ms");
         assert_eq!(duration(12.345), "12.35 s");
         assert_eq!(duration(125.0), "2 min 05 s");
         assert_eq!(duration(3725.0), "1 h 02 min");

@@ -72,7 +72,7 @@ pub(super) fn charts(run: &Run<'_>) -> Charts {
 }
 
 /// What takes the place of time.
-fn time_label(run: &Run<'_>) -> &'static str {
+pub(super) fn time_label(run: &Run<'_>) -> &'static str {
     match run.case.control.as_ref().map(|control| &control.kind) {
         Some(ControlKind::Dissipation(_)) => "dissipated part of the energy",
         _ => "time [s]",

@@ -86,6 +86,7 @@ pub(super) fn in_words(value: &Value) -> String {
     match value {
         Value::Null => "none".to_owned(),
         Value::Bool(yes) => if *yes { "yes" } else { "no" }.to_owned(),
+        Value::String(text) if text.is_empty() => "none".to_owned(),
         Value::String(text) => text.clone(),
         Value::Number(found) => match (found.as_u64(), found.as_f64()) {
             (Some(whole), _) => whole.to_string(),
@@ -156,4 +157,49 @@ pub(super) fn table(html: &mut String, head: &[&str], rows: &[Vec<String>]) {
         let _ = writeln!(html, "<tr>{}</tr>", cells.collect::<String>());
     }
     html.push_str("</table></div>\n");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn units_have_the_prefix_of_their_numbers() {
+        for (base, most, name, factor) in [
+            ("Pa", 1.1e6, "MPa", 1e-6),
+            ("Pa", 0.0, "Pa", 1.0),
+            ("m", 1.6e-3, "mm", 1e3),
+            ("m", 2e-5, "µm", 1e6),
+            ("m", 5000.0, "m", 1.0),
+            ("N/m", 2.5e7, "MN/m", 1e-6),
+            ("s", 1e-4, "s", 1.0),
+            ("Pa", 1e-30, "pPa", 1e12),
+        ] {
+            let unit = Unit::of(base, [most, f64::NAN].into_iter());
+            assert_eq!(
+                unit,
+                Unit { factor: 10f64.powi(factor.log10().round() as i32), name: name.into() }
+            );
+        }
+        assert_eq!(Unit::text("Pa", 5.8e9), "5.8 GPa");
+        assert_eq!(Unit::of("m", [1e-3].into_iter()).label("jump"), "jump [mm]");
+        assert_eq!(Unit::of("", [3.0].into_iter()).label("damage"), "damage");
+    }
+
+    #[test]
+    fn values_are_written_as_in_a_case() {
+        for (value, words) in [
+            (json!({"table": [[0, 0.5], [1, 1e-7]]}), "table: [[0, 0.5], [1, 1e-7]]"),
+            (json!(5.8e9), "5.8e9"),
+            (json!(0.25), "0.25"),
+            (json!(null), "none"),
+            (json!(""), "none"),
+        ] {
+            assert_eq!(in_words(&value), words);
+        }
+        assert!(in_words(&json!(vec![1; 100])).ends_with("1, … 100 in all]"));
+        assert_eq!(number(1_017_312.072), "1.01731e6");
+        assert_eq!(number(-0.001636), "-0.001636");
+    }
 }

@@ -139,8 +139,8 @@ impl Panels {
         let (mut x, mut y) = (left, top);
         let mut places = Vec::new();
         for (_, name) in legend {
-            let wide = width(name, TEXT) + 62.0;
-            if x > left && x + wide > MARGIN + self.panels_width() {
+            let wide = width(name, TEXT) + 56.0;
+            if x > left && x + wide > 2.0 * MARGIN + self.panels_width() {
                 (x, y) = (left, y + ENTRY);
             }
             places.push((x, y));
