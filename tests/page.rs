@@ -211,7 +211,7 @@ fn a_run_that_is_stopped_and_goes_on_has_a_page_each_time() {
     assert_eq!(whole.ids(), expected);
     // It opens and slides: eight instants in two panels, all on the law, softening and unloading.
     assert_eq!(whole.circles("interface-joint", 1).len(), 16);
-    assert!(whole.farthest_from_law("interface-joint") < 1.5);
+    assert!(whole.farthest_from_law("interface-joint") < 1.0);
     // The undeformed state, and the instants.
     assert_eq!(whole.circles("load", 0).len(), 9);
     // Corrections and residuals.
@@ -264,7 +264,7 @@ fn a_run_that_fails_has_a_page_that_says_why() {
     let message = report["message"].as_str().expect("a message");
     page.says(message.lines().next().expect("words"));
     assert_eq!(page.circles("interface-joint", 1).len(), 2);
-    assert!(page.farthest_from_law("interface-joint") < 1.5);
+    assert!(page.farthest_from_law("interface-joint") < 1.0);
 
     // In its first step: nothing to draw, and a page all the same.
     let torn = "boundary.1={on: top, traction: {z: 3.0e+6}}";
@@ -287,15 +287,21 @@ fn interfaces_paths_and_fluids_have_their_charts() {
     page.says("12345");
     for id in ["interface-strong", "interface-weak"] {
         assert_eq!(page.circles(id, 1).len(), 5);
-        assert!(page.farthest_from_law(id) < 1.5, "{id}");
+        assert!(page.farthest_from_law(id) < 1.0, "{id}");
     }
+
+    // A law whose answer depends on the step, in a mixed mode.
+    let page = folder.page("laws/benzeggagh_kenane.yaml", "", &["--overwrite"], 0);
+    page.is_sound();
+    assert_eq!(page.circles("interface-joint", 1).len(), 12);
+    assert!(page.farthest_from_law("interface-joint") < 1.0);
 
     let case = "snap_back/column_50m_dissipation.yaml";
     let page = folder.page(case, "", &["--overwrite"], 0);
     page.is_sound();
     page.says("The displacement is what the case prescribes times the load factor.");
     assert!(page.ids().contains(&"load-factor"), "{:?}", page.ids());
-    assert!(page.farthest_from_law("interface-joint") < 1.5);
+    assert!(page.farthest_from_law("interface-joint") < 1.0);
     // Snap-back: the displacement falls together with the reaction.
     let load = page.circles("load", 0);
     assert_eq!(load.len(), 22);
@@ -308,7 +314,7 @@ fn interfaces_paths_and_fluids_have_their_charts() {
     for id in ["pressure", "flux", "mass"] {
         assert!(page.ids().contains(&id), "{:?}", page.ids());
     }
-    assert!(page.farthest_from_law("interface-joint") < 1.5);
+    assert!(page.farthest_from_law("interface-joint") < 1.0);
 }
 
 #[test]

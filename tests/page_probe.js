@@ -6,8 +6,14 @@ addEventListener("load", () => {
   const overlap = (a, b) =>
     Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 &&
     Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 3;
+  // In pixels of the chart's own size.
+  const unit = (shape) => {
+    const svg = shape.closest("svg");
+    return svg.viewBox.baseVal.width / Number(svg.getAttribute("width"));
+  };
   const points = (shape) =>
-    shape.getAttribute("points").trim().split(/\s+/).map((pair) => pair.split(",").map(Number));
+    shape.getAttribute("points").trim().split(/\s+/)
+      .map((pair) => pair.split(",").map((v) => Number(v) / unit(shape)));
   const luminance = (color) => {
     const [r, g, b] = color.match(/[\d.]+/g).map(Number).map((v) => {
       const s = v / 255;
@@ -23,18 +29,17 @@ addEventListener("load", () => {
   const charts = [...document.querySelectorAll("figure")].map((figure) => {
     const svg = figure.querySelector("svg");
     const whole = svg.getBoundingClientRect();
-    const view = svg.viewBox.baseVal;
+    const view = { width: Number(svg.getAttribute("width")), height: Number(svg.getAttribute("height")) };
     const texts = [...svg.querySelectorAll("text")];
     const boxes = texts.map((text) => text.getBoundingClientRect());
     const words = texts.map((text) => text.textContent.trim());
     const lines = [...svg.querySelectorAll("polyline")].map((line) => ({
       color: line.getAttribute("stroke"),
-      width: Number(line.getAttribute("stroke-width")),
       points: points(line),
     }));
     const circles = [...svg.querySelectorAll("circle")].map((circle) => ({
       color: circle.getAttribute("fill"),
-      at: [Number(circle.getAttribute("cx")), Number(circle.getAttribute("cy"))],
+      at: ["cx", "cy"].map((name) => Number(circle.getAttribute(name)) / unit(circle)),
     }));
     const corners = [...svg.querySelectorAll("polygon")].flatMap(points);
     const places = lines.flatMap((line) => line.points)

@@ -27,9 +27,9 @@ pub(super) fn charts(run: &Run<'_>) -> Charts {
     }
     charts.words.push(
         "Means over each interface at the instants of the case, which are numbered where they are few. The \
-         band is the law on the path of \
-         these means: an interface that opens evenly lies on it, one that tilts or breaks bit by bit need \
-         not. Tension and opening are positive."
+         band is the law on the path of these means, in one step from instant to instant: an interface that \
+         opens evenly lies on it, one that tilts or breaks bit by bit need not. Tension and opening are \
+         positive."
             .to_owned(),
     );
     if all.len() > MOST_INTERFACES {
@@ -112,10 +112,7 @@ impl Curves<'_> {
         let most = |pick: fn(&(f64, f64)) -> f64| measured.iter().map(pick).fold(0.0, f64::max);
         let least = |pick: fn(&(f64, f64)) -> f64| measured.iter().map(pick).fold(0.0, f64::min);
         let largest = most(|p| p.0.abs());
-        // All of a law that ends, and of one that fades what can be seen.
-        let seen =
-            law.jump_scale().zip(law.typical_jump()).map(|(end, typical)| end.min(4.0 * typical));
-        let reach = seen.map_or(largest, |seen| seen.max(1.05 * largest));
+        let reach = reach(law, component, stiffness, dim).unwrap_or(0.0).max(1.05 * largest);
         let low = if component == 0 { least(|p| p.1) } else { least(|p| p.0) };
         // Less is rounding.
         let low = if component > 0 && low > -MOVES * reach { 0.0 } else { low };
@@ -142,6 +139,24 @@ impl Curves<'_> {
             _ => panel(lines, (&tangent("sliding"), &x), (&tangent("shear traction"), &y)),
         }
     }
+}
+
+/// The jump up to which a law is drawn: all of one that ends, and of one that fades what can be seen.
+fn reach(law: &dyn InterfaceLaw, component: usize, stiffness: f64, dim: usize) -> Option<f64> {
+    let (end, typical) = law.jump_scale().zip(law.typical_jump())?;
+    let mut reach = end.min(4.0 * typical);
+    // Its scale may be that of another mode.
+    let r = law.augmentation(stiffness);
+    for _ in 0..10 {
+        let mut p = [0.0; 3];
+        p[component] = r * reach;
+        let carried = law.respond(p, r, 0.0, dim).traction[component];
+        if law.strength().is_none_or(|strength| carried <= 0.01 * strength) {
+            break;
+        }
+        reach *= 1.25;
+    }
+    Some(reach)
 }
 
 /// The means at the instants that have them.

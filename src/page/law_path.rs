@@ -33,14 +33,19 @@ pub(super) fn along(
     let (mut history, mut from) = (0.0, [0.0; 3]);
     for mean in means {
         let to: Local = std::array::from_fn(|c| mean.traction[c] + r * mean.jump[c]);
+        // In one step, as far as is known: what some laws answer depends on it.
+        let before = history;
         for step in 1..=steps {
             let share = step as f64 / steps as f64;
-            if step == steps {
-                history = history_of(law, history, mean.damage);
-            }
             // The last one to the last bit.
             let p = std::array::from_fn(|c| (1.0 - share) * from[c] + share * to[c]);
-            let answer = law.respond(p, r, history, dim);
+            let mut answer = law.respond(p, r, before, dim);
+            if step == steps {
+                let further = history_of(law, answer.history, mean.damage);
+                if further > answer.history {
+                    answer = law.respond(p, r, further, dim);
+                }
+            }
             history = answer.history;
             for (c, curve) in curves.iter_mut().enumerate() {
                 curve.push((answer.jump[c], answer.traction[c]));

@@ -34,18 +34,14 @@ pub(super) fn charts(run: &Run<'_>) -> Charts {
         let axis = ["x", "y", "z"][imposed.axis];
         let surface = imposed.surface.name();
         let reaction = column(run.history, &format!("{surface}.reaction_{axis}"));
-        let mut points = pairs(&imposed.values, &reaction.unwrap_or_default());
+        let points = pairs(&imposed.values, &reaction.unwrap_or_default());
         if points.iter().all(|point| point.1.abs() <= ROUNDING * largest) {
             continue;
         }
-        // A run starts undeformed; the history leaves that out.
         let from_rest = imposed.first == 0.0 && !case.has_pressure();
-        if from_rest {
-            points.insert(0, (0.0, 0.0));
-        }
         let x = (format!("displacement {axis} of {surface}"), "m");
         let y = (format!("reaction {axis} of {surface}"), force);
-        panels.push(curve(points, if from_rest { 0 } else { 1 }, x, y));
+        panels.push(curve(points, from_rest, x, y));
     }
     let by_displacement = !panels.is_empty();
     if !by_displacement {
@@ -83,17 +79,20 @@ fn largest_reaction(run: &Run<'_>) -> f64 {
     values.map(f64::abs).fold(0.0, f64::max)
 }
 
-/// A curve whose first point is of the instant `first`, 0 for the state at the start.
+/// A curve through the instants, and `from_rest` through the undeformed state, which the history leaves out.
 fn curve(
-    points: Curve,
-    first: usize,
+    mut points: Curve,
+    from_rest: bool,
     (x_words, x_base): (String, &str),
     (y_words, y_base): (String, &str),
 ) -> Panel {
+    if from_rest {
+        points.insert(0, (0.0, 0.0));
+    }
     let x = Unit::of(x_base, points.iter().map(|p| p.0));
     let y = Unit::of(y_base, points.iter().map(|p| p.1));
     let look = look(points.len(), true);
-    let labels = numbers(first, points.len());
+    let labels = numbers(if from_rest { 0 } else { 1 }, points.len());
     let line = Line { labels, ..Line::new("", points, Some(COMPUTED), look) };
     panel(vec![line], (&x_words, &x), (&y_words, &y))
 }
@@ -130,10 +129,7 @@ fn imposed(run: &Run<'_>) -> Vec<Imposed> {
             let at = |(time, factor): (f64, f64)| factor * value.at(point, time);
             let values: Vec<Option<f64>> =
                 loads.iter().map(|load| load.map(at).filter(|value| value.is_finite())).collect();
-            let first = match &case.control {
-                Some(_) => 0.0,
-                None => value.at(point, case.start),
-            };
+            let first = at_start(case, value, point);
             let moves = values.iter().flatten().any(|value| *value != first);
             if moves && !taken {
                 found.push(Imposed { surface: entry.on, axis, values, first });
@@ -141,6 +137,11 @@ fn imposed(run: &Run<'_>) -> Vec<Imposed> {
         }
     }
     found
+}
+
+/// What a value is before the first step: nothing under a load factor, which starts from 0.
+fn at_start(case: &Case, value: &Value, point: [f64; 3]) -> f64 {
+    if case.control.is_some() { 0.0 } else { value.at(point, case.start) }
 }
 
 /// The middle of a surface.
@@ -170,7 +171,9 @@ fn by_probes(run: &Run<'_>) -> Vec<Panel> {
             let moved = column(run.history, &format!("{}.displacement_{name}", probe.name));
             let x = (format!("displacement {name} of {}", probe.name), "m");
             let y = (format!("traction {name} on {}", entry.on.name()), "Pa");
-            panels.push(curve(pairs(&moved.unwrap_or_default(), &tractions), 1, x, y));
+            let points = pairs(&moved.unwrap_or_default(), &tractions);
+            let from_rest = at_start(case, value, point) == 0.0 && !case.has_pressure();
+            panels.push(curve(points, from_rest, x, y));
         }
     }
     panels

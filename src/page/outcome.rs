@@ -81,11 +81,22 @@ pub(super) fn warnings(html: &mut String, run: &Run<'_>) {
     if all.is_empty() {
         return;
     }
-    html.push_str("<h2>Warnings</h2>\n<ul class=\"warnings\">\n");
-    for sentence in all {
-        let _ = writeln!(html, "<li>{}</li>", escaped(sentence));
+    html.push_str("<h2>Warnings</h2>\n");
+    let list = |html: &mut String, sentences: &[&String]| {
+        html.push_str("<ul class=\"warnings\">\n");
+        for sentence in sentences {
+            let _ = writeln!(html, "<li>{}</li>", escaped(sentence));
+        }
+        html.push_str("</ul>\n");
+    };
+    // A run through many instants may say the same of each.
+    let (first, rest) = all.split_at(if all.len() > SHOWN { SHOWN / 2 } else { all.len() });
+    list(html, first);
+    if !rest.is_empty() {
+        let _ = writeln!(html, "<details><summary>{} more</summary>", rest.len());
+        list(html, rest);
+        html.push_str("</details>\n");
     }
-    html.push_str("</ul>\n");
 }
 
 fn missed<'r>(run: &'r Run<'_>) -> Vec<&'r Value> {

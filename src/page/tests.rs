@@ -40,7 +40,7 @@ fn text_is_text_and_nothing_is_fetched() {
         "&lt;b&gt;no&lt;/b&gt; convergence",
         "an option was not used",
         "Not compared: the run did not come to its end.",
-        "default-src 'none'",
+        "script-src 'none'",
     ] {
         assert!(html.contains(words), "{words}");
     }

@@ -139,7 +139,7 @@ impl Panels {
         let (mut x, mut y) = (left, top);
         let mut places = Vec::new();
         for (_, name) in legend {
-            let wide = width(name, TEXT) + 56.0;
+            let wide = 0.85 * width(name, TEXT) + 54.0;
             if x > left && x + wide > 2.0 * MARGIN + self.panels_width() {
                 (x, y) = (left, y + ENTRY);
             }
@@ -308,7 +308,7 @@ fn joined<B: DrawingBackend>(
 }
 
 /// How far a point may be from the line that is drawn without it, in pixels.
-const NEEDLESS: f64 = 0.4;
+const NEEDLESS: f64 = 0.1;
 
 /// The points without which the line would be another one (Douglas and Peucker).
 fn without_needless(points: &[(f64, f64)]) -> Vec<(f64, f64)> {

@@ -27,7 +27,9 @@ fn panels() -> Panels {
 fn a_chart_is_drawn_without_any_font_of_the_machine() {
     let figure = panels();
     let text = svg(&figure).unwrap();
-    assert!(text.starts_with("<svg") && text.trim_end().ends_with("</svg>"));
+    let (width, height) = figure.size();
+    let size = format!("<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 ");
+    assert!(text.starts_with(&size) && text.trim_end().ends_with("</svg>"), "{text}");
     for words in ["core-seconds [s]", "method 3, order ≥ 2", "10⁻³", "Pareto front", "failed"]
     {
         assert!(text.contains(words), "{words}");
