@@ -1,3 +1,4 @@
+use super::canvas::Figure;
 use super::panel::{Line, Panel, Panels};
 use super::*;
 
