@@ -239,11 +239,21 @@ fn a_run_that_is_stopped_and_goes_on_has_a_page_each_time() {
     });
     dark.is_sound();
 
-    // The probe sees a request where there is one.
-    let asking = folder.look(|html| {
-        html.replace("</h1>", "</h1><img src=\"http://127.0.0.1:9/picture.png\" alt=\"\">")
+    // The probe sees what is wrong.
+    let wrong = folder.look(|html| {
+        html.replacen("</h1>", "</h1><img src=\"http://127.0.0.1:9/picture.png\" alt=\"\">", 1)
+            .replacen("\nnormal jump [mm]", &"normal jump [mm]".repeat(20), 1)
+            .replacen("<circle cx=\"", "<circle cx=\"9", 1)
+            .replacen("--soft:#5c5c5c", "--soft:#cccccc", 1)
     });
-    assert_eq!(asking.0["requests"][0], "http://127.0.0.1:9/picture.png");
+    assert_eq!(wrong.0["requests"][0], "http://127.0.0.1:9/picture.png");
+    assert!(number(&wrong.0["contrast"]) < 4.5);
+    let chart = wrong.chart("interface-joint");
+    assert_eq!(number(&chart["lost"]), 1.0);
+    for fault in ["outside", "clashes"] {
+        assert!(!chart[fault].as_array().expect("a list").is_empty(), "{fault}");
+    }
+    assert!(wrong.farthest_from_law("interface-joint") > 100.0);
 
     // A run that is not asked for a page leaves none of another.
     assert_eq!(folder.run("wtnv146/case.yaml", "", &[]).status.code(), Some(0));

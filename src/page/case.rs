@@ -90,7 +90,7 @@ fn interfaces(html: &mut String, run: &Run<'_>) {
             let fluid = given[index].get("fluid").filter(|fluid| !fluid.is_null());
             vec![
                 interface.name.clone(),
-                Unit::text("m", interface.z),
+                format!("{} m", number(interface.z)),
                 interface.law.name().replace('_', " "),
                 parameters.map_or_else(String::new, in_words),
                 fluid.map_or_else(|| "–".to_owned(), in_words),

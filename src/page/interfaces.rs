@@ -2,7 +2,7 @@
 
 use super::figures::{COMPUTED, in_pairs, look, numbers, panel};
 use super::law_path::{Curve, Mean, along, first_loading};
-use super::words::{Unit, column};
+use super::words::{Unit, column, in_words, number};
 use super::{Charts, Figure, Run};
 use crate::case::InterfaceSpec;
 use crate::law::InterfaceLaw;
@@ -67,22 +67,21 @@ fn of_interface(run: &Run<'_>, interface: &InterfaceSpec) -> Vec<Figure> {
             curves.panel(law, (stiffness, dim), effective)
         })
         .collect();
-    let mut caption = format!(
-        "{}, at z = {}. ",
-        interface.law.name().replace('_', " "),
-        Unit::text("m", interface.z)
-    );
-    if let Some(strength) = law.strength() {
-        caption += &format!("Strength {}", Unit::text("Pa", strength));
-        if let Some(jump) = law.jump_scale() {
-            caption += &format!(", nothing is transmitted beyond {}", Unit::text("m", jump));
-        }
-        caption += ". ";
+    let index = run.case.interfaces.iter().position(|i| i.name == interface.name);
+    let mut caption =
+        format!("{}, at z = {} m", interface.law.name().replace('_', " "), number(interface.z));
+    let given = serde_json::to_value(&interface.law).unwrap_or_default();
+    let parameters = given.as_object().and_then(|law| law.values().next()?.as_object());
+    // The augmentation changes nothing of the answer.
+    for (name, value) in parameters.into_iter().flatten().filter(|(k, _)| *k != "augmentation") {
+        let unit = unit_of(name);
+        let text = value.as_f64().map_or_else(|| in_words(value), |v| Unit::text(unit, v));
+        caption += &format!(", {} {text}", name.replace('_', " "));
     }
+    caption += ". ";
     if effective {
         caption += "The traction is the effective one, total plus pressure of the fluid. ";
     }
-    let index = run.case.interfaces.iter().position(|i| i.name == interface.name);
     if run.case.imperfections.iter().any(|i| Some(i.interface) == index) {
         caption += "The law is drawn without the imperfection. ";
     }
@@ -92,6 +91,12 @@ fn of_interface(run: &Run<'_>, interface: &InterfaceSpec) -> Vec<Figure> {
         figure.caption = caption.trim_end().to_owned();
     }
     figures
+}
+
+/// The unit of a parameter of a law, by its name; none where it has none.
+fn unit_of(parameter: &str) -> &'static str {
+    let units = [("strength", "Pa"), ("energy", "J/m²"), ("stiffness", "Pa/m"), ("jump", "m")];
+    units.iter().find(|(name, _)| parameter.contains(name)).map_or("", |(_, unit)| unit)
 }
 
 /// What is drawn of one component.

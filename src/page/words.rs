@@ -24,7 +24,7 @@ impl Unit {
         // Nobody speaks of kilometres of a jump, nor of kilokilograms.
         let range = match base {
             "m" => -12..=0,
-            "s" | "kg" | "kg/m" | "kg/m²/s" | "" => 0..=0,
+            "s" | "kg" | "kg/m" | "kg/m²/s" | "J/m²" | "" => 0..=0,
             _ => -12..=9,
         };
         let exponent = if most > 0.0 { (most.log10() + 1e-9).floor() as i32 } else { 0 };

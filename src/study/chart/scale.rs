@@ -155,7 +155,11 @@ fn plain_or_power(value: f64, powers: bool) -> String {
         .filter_map(|c| Some(digits[c.to_digit(10)? as usize]))
         .collect();
     let power = format!("10{sign}{number}");
-    if factor == 1.0 { power } else { format!("{factor}·{power}") }
+    match factor {
+        1.0 => power,
+        -1.0 => format!("-{power}"),
+        _ => format!("{factor}·{power}"),
+    }
 }
 
 #[cfg(test)]
@@ -196,6 +200,7 @@ mod tests {
     fn powers_are_written_as_such() {
         assert_eq!(plain_or_power(2e-7, true), "2·10⁻⁷");
         assert_eq!(plain_or_power(1e10, true), "10¹⁰");
+        assert_eq!(plain_or_power(-1e-7, true), "-10⁻⁷");
         assert_eq!(plain_or_power(0.05, false), "0.05");
     }
 }
