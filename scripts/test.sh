@@ -11,7 +11,7 @@ cd "$root"
 . scripts/setup.sh
 # shellcheck source=scripts/mpi_env.sh
 . scripts/mpi_env.sh
-setup_packages python3-venv
+setup_packages python3-venv chromium
 setup_cargo
 
 failed=()

@@ -55,6 +55,9 @@ pub struct RunOptions {
     /// Go on from a checkpoint: a file, or the latest of the output directory
     #[arg(long, value_name = "FILE|latest", conflicts_with = "overwrite")]
     pub restart: Option<String>,
+    /// Write a page with charts, report.html, into the output directory too
+    #[arg(long)]
+    pub report: bool,
     /// Options for PETSc, after `--`; they override the case's
     #[arg(last = true, value_name = "PETSC OPTIONS", allow_hyphen_values = true)]
     pub petsc_options: Vec<String>,
@@ -177,13 +180,16 @@ mod tests {
 
     #[test]
     fn run_is_the_default_command() {
-        let short = line("case.yaml --set a.b=1 --set c=[1,2] --overwrite --output out --quiet");
+        let short =
+            line("case.yaml --set a.b=1 --set c=[1,2] --overwrite --output out --quiet --report");
         let Ok(Command::Run(options)) = &short else { panic!("{short:?}") };
         assert_eq!(options.case, PathBuf::from("case.yaml"));
         assert_eq!(options.overrides, ["a.b=1", "c=[1,2]"]);
         assert_eq!(options.output, Some(PathBuf::from("out")));
-        assert!(options.overwrite && options.quiet && !options.verbose);
-        let long = line("run case.yaml --set a.b=1 --set c=[1,2] --overwrite --output out --quiet");
+        assert!(options.overwrite && options.quiet && options.report && !options.verbose);
+        let long = line(
+            "run case.yaml --set a.b=1 --set c=[1,2] --overwrite --output out --quiet --report",
+        );
         assert_eq!(short, long);
     }
 

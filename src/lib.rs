@@ -25,5 +25,6 @@ pub mod reduce;
 pub mod output;
 pub mod report;
 pub mod study;
+pub mod page;
 pub mod cli;
 pub mod run;

@@ -13,6 +13,8 @@ use crate::error::{Error, Result};
 pub const HISTORY: &str = "history.csv";
 /// Name of the report.
 pub const REPORT: &str = "report.json";
+/// Name of the page.
+pub const PAGE: &str = "report.html";
 /// Name of the resolved case, which marks whose results a directory holds.
 pub const CASE: &str = "case.resolved.json";
 /// Name of the directory of field files.
@@ -87,6 +89,11 @@ impl OutputDirectory {
         self.path.join(REPORT)
     }
 
+    /// Path of the page.
+    pub fn page(&self) -> PathBuf {
+        self.path.join(PAGE)
+    }
+
     /// Path of the directory of field files.
     pub fn fields(&self) -> PathBuf {
         self.path.join(FIELDS)
@@ -146,7 +153,8 @@ fn go_on(path: &Path, case: &str, last: usize) -> Result<()> {
         let step = name.strip_suffix(".vtkhdf").and_then(|stem| stem.rsplit_once('_'));
         let leftover = atomic::parse_temporary(name).is_some();
         let step = step.and_then(|(_, number)| number.parse::<usize>().ok());
-        leftover || file.ends_with(REPORT) || step.is_some_and(|step| step > last)
+        let told = file.ends_with(REPORT) || file.ends_with(PAGE);
+        leftover || told || step.is_some_and(|step| step > last)
     };
     for file in our_files(path)?.iter().filter(later) {
         fs::remove_file(file).map_err(|cause| Error::file("cannot remove", file, cause))?;
@@ -208,7 +216,7 @@ pub fn first_difference(a: &Value, b: &Value) -> String {
 /// The files in the directory that a run wrote, and what dead runs left of them.
 fn our_files(path: &Path) -> Result<Vec<PathBuf>> {
     let mut found = list(path, |name| {
-        [HISTORY, REPORT, CASE, checkpoint::NEWEST, checkpoint::PREVIOUS].contains(&name)
+        [HISTORY, REPORT, PAGE, CASE, checkpoint::NEWEST, checkpoint::PREVIOUS].contains(&name)
     })?;
     let fields = path.join(FIELDS);
     if fields.is_dir() {
@@ -259,6 +267,7 @@ mod tests {
     fn fill(path: &Path) {
         for name in [
             HISTORY,
+            PAGE,
             "fields/bulk_000001.vtkhdf",
             "fields/bulk_mesh.vtkhdf",
             "fields/bulk.vtkhdf.series",

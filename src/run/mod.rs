@@ -4,6 +4,7 @@ mod check;
 mod checkpoint;
 mod fields;
 mod history;
+mod page;
 mod probes;
 mod reduced;
 mod resources;
@@ -149,7 +150,7 @@ pub fn run_case(runtime: &Runtime, timers: &Timers, options: &RunOptions) -> Res
     let solution = Solution { reduction, reduced };
     let mut session = Session::new(comm, timers, &case, directory, state, solution);
     let solved = session.solve(&mut model);
-    session.close(runtime, &model, solved)
+    session.close(runtime, &model, solved, options.report)
 }
 
 /// The case as every rank sees it; rank 0 reads the file. Collective.

@@ -5,7 +5,7 @@ use std::time::Duration;
 use super::checkpoint::{Keeper, Progress, RunState};
 use super::fields::FieldWriter;
 use super::reduced::Reduced;
-use super::{history, probes, screen};
+use super::{history, page, probes, screen};
 use crate::case::{Case, Fields};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
@@ -202,13 +202,14 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Compares with the expectations and writes the report, also when the solution failed.
-    /// Collective.
+    /// Compares with the expectations and writes the report, and the page if it is wanted, also when the
+    /// solution failed. Collective.
     pub fn close(
         mut self,
         runtime: &Runtime,
         model: &Model<'_>,
         solved: Result<()>,
+        wants_page: bool,
     ) -> Result<bool> {
         let outcomes = if solved.is_ok() { self.outcomes() } else { Ok(Vec::new()) };
         let outcomes = self.comm.agree(outcomes)?;
@@ -224,54 +225,70 @@ impl<'a> Session<'a> {
         let memory = memory::peak(self.comm);
         let cells = self.comm.sum_u64(model.mesh.cells.len() as u64);
         let names: Vec<String> = self.case.interfaces.iter().map(|i| i.name.clone()).collect();
-        for option in runtime.petsc.unused_options()? {
-            tracing::warn!("warning: the PETSc option {option} was not used");
+        let unused = runtime.petsc.unused_options()?.into_iter();
+        let warnings: Vec<String> =
+            unused.map(|option| format!("the PETSc option {option} was not used")).collect();
+        for warning in &warnings {
+            tracing::warn!("warning: {warning}");
         }
         fault::strike_values(self.comm, "report", &mut self.residual_norms)?;
-        let mut written = Ok(());
-        if let Some(history) = &self.history {
-            let report = Report {
-                status,
-                message: solved.as_ref().err().map(ToString::to_string),
-                title: self.case.title.clone(),
-                ranks: self.comm.size() as usize,
-                model: modelled(self.case),
-                reduction: self.solution.reduction.clone(),
-                cells,
-                unknowns: model.unknowns,
-                newton_iterations: self.counts[0],
-                linear_iterations: self.counts[1],
-                residual_norms: self.residual_norms.clone(),
-                instabilities: model.stepper.instabilities_in_words(),
-                bifurcations: model.stepper.bifurcations_in_words(),
-                remarks: model
-                    .stepper
-                    .coupling
-                    .as_ref()
-                    .map_or_else(Vec::new, |coupling| coupling.flow.remarks.clone()),
-                linear_solver: LinearSolver {
-                    choice: model.choice.preset.into(),
-                    why: model.choice.why.clone(),
-                },
-                timings,
-                peak_memory_bytes: memory,
-                partition,
-                instants: tables::instants(history.table(), &names),
-                expectations: outcomes,
-                versions: versions(),
-                case: self.case.resolved(),
-            };
-            written = report.write(&self.directory.report());
-            if written.is_ok() {
-                screen::close(&report, self.directory.path());
-                screen::complain_of_missed(&report, self.directory.path());
-            }
+        let report = self.history.as_ref().map(|history| Report {
+            status,
+            message: solved.as_ref().err().map(ToString::to_string),
+            title: self.case.title.clone(),
+            ranks: self.comm.size() as usize,
+            model: modelled(self.case),
+            reduction: self.solution.reduction.clone(),
+            cells,
+            unknowns: model.unknowns,
+            newton_iterations: self.counts[0],
+            linear_iterations: self.counts[1],
+            residual_norms: self.residual_norms.clone(),
+            instabilities: model.stepper.instabilities_in_words(),
+            bifurcations: model.stepper.bifurcations_in_words(),
+            remarks: model
+                .stepper
+                .coupling
+                .as_ref()
+                .map_or_else(Vec::new, |coupling| coupling.flow.remarks.clone()),
+            linear_solver: LinearSolver {
+                choice: model.choice.preset.into(),
+                why: model.choice.why.clone(),
+            },
+            timings,
+            peak_memory_bytes: memory,
+            partition,
+            instants: tables::instants(history.table(), &names),
+            expectations: outcomes,
+            versions: versions(),
+            case: self.case.resolved(),
+        });
+        let written = report.as_ref().map_or(Ok(()), |r| r.write(&self.directory.report()));
+        let mut written = self.comm.agree(written);
+        if wants_page && written.is_ok() {
+            written = self.write_page(report.as_ref(), &warnings);
         }
-        let written = self.comm.agree(written);
+        if let (Some(report), Ok(())) = (&report, &written) {
+            screen::close(report, self.directory.path());
+            screen::complain_of_missed(report, self.directory.path());
+        }
         if let (Err(_), Err(error)) = (&solved, &written) {
             tracing::warn!("warning: {error}");
         }
         solved.map_err(|error| self.with_place(error)).and(written).map(|()| met)
+    }
+
+    /// Collective; rank 0 has a report.
+    fn write_page(&self, report: Option<&Report>, warnings: &[String]) -> Result<()> {
+        fault::strike(self.comm, "page")?;
+        let written = match (report, &self.history) {
+            (Some(report), Some(history)) => {
+                let path = self.directory.page();
+                page::write(&path, report, history.table(), self.case, warnings)
+            }
+            _ => Ok(()),
+        };
+        self.comm.agree(written)
     }
 
     /// Adds to a failure of the numerics what of the results is valid.

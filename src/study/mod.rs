@@ -3,13 +3,13 @@
 //! A study process is serial: it starts neither MPI nor PETSc, and launches every run as a process of
 //! its own.
 
-mod chart;
+pub(crate) mod chart;
 mod charts;
 mod check;
 mod file;
 mod launch;
 mod measure;
-mod page;
+pub(crate) mod page;
 mod plan;
 mod record;
 mod spec;

@@ -118,7 +118,7 @@ fn table(html: &mut String, study: &Study, plan: &Plan, rows: &[Row], front: &[u
 }
 
 /// Three digits, or a whole number.
-fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     if value == value.trunc() && value.abs() < 1e15 {
         return format!("{value}");
     }
@@ -132,11 +132,11 @@ fn short(value: f64) -> String {
 }
 
 /// An SVG as part of a page, where it needs no name of its dialect.
-fn inlined(svg: &str) -> String {
+pub(crate) fn inlined(svg: &str) -> String {
     svg.replacen(" xmlns=\"http://www.w3.org/2000/svg\"", "", 1)
 }
 
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 

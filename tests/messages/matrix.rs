@@ -42,7 +42,7 @@ const fn place(phase: &'static str, count: u32, rows: usize, nan: bool) -> Place
     Place { phase, count, rows, nan }
 }
 
-const PLACES: [Place; 15] = [
+const PLACES: [Place; 16] = [
     place("case", 1, 0, false),
     place("mesh", 1, 0, false),
     place("distribute", 1, 0, false),
@@ -59,6 +59,7 @@ const PLACES: [Place; 15] = [
     place("state", 2, 2, true),
     place("checkpoint", 2, 2, false),
     place("report", 1, 2, true),
+    place("page", 1, 2, false),
 ];
 
 const KINDS: [&str; 4] = ["error", "panic", "kill", "nan"];
@@ -77,7 +78,7 @@ struct Fault {
 impl Fault {
     /// Whether it strikes while files are written.
     fn is_late(&self) -> bool {
-        matches!(self.place.phase, "output" | "checkpoint" | "report")
+        matches!(self.place.phase, "output" | "checkpoint" | "report" | "page")
     }
 }
 
@@ -149,6 +150,8 @@ pub fn contents(out: &Path, label: &str) -> Contents {
                 let named = out.join("fields").join(entry["name"].as_str().expect("a name"));
                 assert!(named.is_file(), "{label}: {}", named.display());
             }
+        } else if name == "report.html" {
+            assert!(text().ends_with("</html>\n"), "{label}: {name} is cut off");
         } else {
             assert!(name.ends_with(".json"), "{label}: {name} is a file that nobody knows");
             json();
@@ -191,7 +194,8 @@ fn run(folder: &Folder, ranks: usize, fault: &str, more: &[&str]) -> Ended {
 fn scene(fault: Fault, unbroken: &Unbroken, goes_on: bool) -> Duration {
     let Fault { place, kind, ranks, .. } = fault;
     let folder = Folder::with(SCENE);
-    let ended = run(&folder, ranks, &fault.to_string(), &[]);
+    let page: &[&str] = if place.phase == "page" { &["--report"] } else { &[] };
+    let ended = run(&folder, ranks, &fault.to_string(), page);
     let label = format!("{fault} on {ranks} ranks: {ended:?}");
     assert_message(&fault, &ended, &label);
 
@@ -214,7 +218,10 @@ fn scene(fault: Fault, unbroken: &Unbroken, goes_on: bool) -> Duration {
         assert!(expected == 0 || first.iter().all(|name| left.contains_key(*name)), "{label}");
     }
     let report = folder.path("out/report.json").is_file();
-    assert_eq!(report, ordered && expected > 0 && place.phase != "report", "{label}");
+    // The page comes after a whole report.
+    let comes = ordered && expected > 0 && place.phase != "report" || !page.is_empty();
+    assert_eq!(report, comes, "{label}");
+    assert!(!folder.path("out/report.html").exists(), "{label}");
 
     if !goes_on {
         return ended.took;

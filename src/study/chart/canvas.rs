@@ -12,6 +12,8 @@ use crate::error::{Error, Result};
 /// Latin, Greek and some signs of DejaVu Sans; `DejaVuSans-LICENSE.txt` beside it.
 static FONT: &[u8] = include_bytes!("DejaVuSans-subset.ttf");
 
+/// Coordinates of the SVG per unit of the drawing: they are whole numbers.
+const SHARP: u32 = 8;
 /// Pixels of the PNG per unit of the drawing.
 const FINE: u32 = 2;
 /// Each of them is the mean of so many squared.
@@ -142,11 +144,14 @@ pub(crate) fn width(text: &str, height: f64) -> f64 {
 /// `Bug` when the font or the backend fails.
 pub(crate) fn svg(figure: &impl Figure) -> Result<String> {
     let mut text = String::new();
+    let (width, height) = figure.size();
+    let (wide, high) = (width * SHARP, height * SHARP);
     {
-        let area = SVGBackend::with_string(&mut text, figure.size()).into_drawing_area();
-        draw(figure, &area, 1.0)?;
+        let area = SVGBackend::with_string(&mut text, (wide, high)).into_drawing_area();
+        draw(figure, &area, f64::from(SHARP))?;
     }
-    Ok(text)
+    let large = format!("width=\"{wide}\" height=\"{high}\" viewBox");
+    Ok(text.replacen(&large, &format!("width=\"{width}\" height=\"{height}\" viewBox"), 1))
 }
 
 /// The drawing as the bytes of a PNG file.

@@ -8,10 +8,11 @@ mod scale;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use self::canvas::{png, svg};
+use self::canvas::png;
+pub(crate) use self::canvas::svg;
 use self::map::{Cell, Map};
-use self::panel::{Line, Panel, Panels};
-use self::scale::Scale;
+pub(crate) use self::panel::{Line, Look, Panel, Panels};
+pub(crate) use self::scale::Scale;
 use super::file::Kind;
 use super::measure::Row;
 use super::plan::Plan;
@@ -146,13 +147,7 @@ impl Rows<'_> {
         let mut lines = Vec::new();
         let mut points: Vec<(usize, (f64, f64))> = Vec::new();
         for (style, (key, rows)) in self.series().into_iter().enumerate() {
-            let mut line = Line {
-                name: self.name(&key),
-                points: Vec::new(),
-                spreads: Vec::new(),
-                failed: Vec::new(),
-                style: Some(style),
-            };
+            let mut line = Line::new(&self.name(&key), Vec::new(), Some(style), Look::Marked);
             for row in rows {
                 let place = self.value(row, x);
                 if row.has_results() {
@@ -203,7 +198,7 @@ impl Rows<'_> {
             front: front.iter().map(|(_, point)| *point).collect(),
         };
         let runs = front.into_iter().map(|(run, _)| run).collect();
-        (Panels { title: self.chart.title.clone(), panels: vec![panel] }, runs)
+        (Panels { title: self.chart.title.clone(), panels: vec![panel], below: false }, runs)
     }
 
     /// What a logarithmic scale has no place for, in words.
@@ -248,22 +243,14 @@ impl Rows<'_> {
             }
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             let line = |points, failed| Line {
-                name: self.name(&key),
-                points,
-                spreads: Vec::new(),
                 failed,
-                style: Some(style),
+                ..Line::new(&self.name(&key), points, Some(style), Look::Marked)
             };
             let efficiency = efficiencies_of(&points, strong);
             if let (Some(first), Some(last)) = (points.first(), points.last()) {
                 let ideal = |ranks: f64| if strong { first.1 * first.0 / ranks } else { first.1 };
-                guides.push(Line {
-                    name: "ideal".to_owned(),
-                    points: vec![*first, (last.0, ideal(last.0))],
-                    spreads: Vec::new(),
-                    failed: Vec::new(),
-                    style: None,
-                });
+                let points = vec![*first, (last.0, ideal(last.0))];
+                guides.push(Line::new("ideal", points, None, Look::Joined));
             }
             times.push(line(points, failed));
             efficiencies.push(line(efficiency, Vec::new()));
@@ -302,7 +289,7 @@ impl Rows<'_> {
             let ranks = ranks.join(", ");
             vec![format!("Not shown: {ranks} ranks, which share the cores of the machine.")]
         };
-        (Panels { title: self.chart.title.clone(), panels }, remarks)
+        (Panels { title: self.chart.title.clone(), panels, below: false }, remarks)
     }
 
     fn map(&self) -> Map {

@@ -18,10 +18,12 @@ pub(crate) const COLORS: [RGBColor; 7] = [
 pub(crate) const INK: RGBColor = RGBColor(30, 30, 30);
 const GREY: RGBColor = RGBColor(130, 130, 130);
 const GRID: RGBColor = RGBColor(228, 228, 228);
+const ZERO: RGBColor = RGBColor(176, 176, 176);
 
 /// Heights of text.
 pub(crate) const TITLE: f64 = 17.0;
 pub(crate) const TEXT: f64 = 13.0;
+const LABEL: f64 = 12.0;
 
 /// Number of markers.
 const MARKERS: usize = 5;
@@ -39,6 +41,30 @@ pub(crate) struct Line {
     pub failed: Vec<f64>,
     /// Number of its colour and marker; none for a grey line of dashes that guides the eye.
     pub style: Option<usize>,
+    pub look: Look,
+    /// Beside the points; none, or one for each.
+    pub labels: Vec<String>,
+}
+
+/// What is drawn of a line that has a style.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Look {
+    /// A marker at each point, and what joins them.
+    Marked,
+    /// What joins the points.
+    Joined,
+    /// The markers.
+    Points,
+    /// What joins the points, broad, for what others lie on.
+    Band,
+}
+
+impl Line {
+    /// Without ranges and failures.
+    pub fn new(name: &str, points: Vec<(f64, f64)>, style: Option<usize>, look: Look) -> Self {
+        let (spreads, failed, labels) = (Vec::new(), Vec::new(), Vec::new());
+        Self { name: name.to_owned(), points, spreads, failed, style, look, labels }
+    }
 }
 
 /// One pair of axes.
@@ -58,6 +84,8 @@ pub(crate) struct Panel {
 pub(crate) struct Panels {
     pub title: String,
     pub panels: Vec<Panel>,
+    /// Whether the legend is below the panels, not beside them.
+    pub below: bool,
 }
 
 struct Frame {
@@ -69,6 +97,8 @@ struct Frame {
 
 const PANEL: (f64, f64) = (520.0, 400.0);
 const MARGIN: f64 = 16.0;
+/// Room left of a panel for its numbers and its label.
+const BEFORE: f64 = 74.0;
 /// Height of a line of the legend.
 const ENTRY: f64 = 21.0;
 
@@ -76,7 +106,7 @@ impl Panels {
     fn legend(&self) -> Vec<(Mark, String)> {
         let mut entries: Vec<(Mark, String)> = Vec::new();
         for line in self.panels.iter().flat_map(|panel| &panel.lines) {
-            let mark = line.style.map_or(Mark::Guide, Mark::Line);
+            let mark = line.style.map_or(Mark::Guide, |style| Mark::Line(style, line.look));
             if !line.name.is_empty() && !entries.iter().any(|(_, name)| *name == line.name) {
                 entries.push((mark, line.name.clone()));
             }
@@ -94,11 +124,40 @@ impl Panels {
         let widths = self.legend().into_iter().map(|(_, name)| width(&name, TEXT));
         widths.fold(0.0, f64::max) + 50.0
     }
+
+    fn panels_width(&self) -> f64 {
+        PANEL.0 * self.panels.len() as f64
+    }
+
+    /// Where each entry of the legend begins.
+    fn places(&self, legend: &[(Mark, String)]) -> Vec<(f64, f64)> {
+        if !self.below {
+            let left = MARGIN + self.panels_width();
+            return (0..legend.len()).map(|i| (left, 58.0 + ENTRY * i as f64)).collect();
+        }
+        let (left, top) = (MARGIN + BEFORE, PANEL.1 + 56.0);
+        let (mut x, mut y) = (left, top);
+        let mut places = Vec::new();
+        for (_, name) in legend {
+            let wide = 0.85 * width(name, TEXT) + 54.0;
+            if x > left && x + wide > 2.0 * MARGIN + self.panels_width() {
+                (x, y) = (left, y + ENTRY);
+            }
+            places.push((x, y));
+            x += wide;
+        }
+        places
+    }
+}
+
+/// Zero stands out.
+fn grid(text: &str) -> RGBColor {
+    if text == "0" { ZERO } else { GRID }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Mark {
-    Line(usize),
+    Line(usize, Look),
     Guide,
     Front,
     Failed,
@@ -106,9 +165,11 @@ enum Mark {
 
 impl Figure for Panels {
     fn size(&self) -> (u32, u32) {
-        let wide = PANEL.0 * self.panels.len() as f64 + self.legend_width() + 2.0 * MARGIN;
+        let beside = if self.below { 0.0 } else { self.legend_width() };
+        let wide = self.panels_width() + beside + 2.0 * MARGIN;
         let title = width(&self.title, TITLE) + 2.0 * MARGIN;
-        let high = (PANEL.1 + 50.0).max(60.0 + ENTRY * self.legend().len() as f64);
+        let lowest = self.places(&self.legend()).last().map_or(0.0, |place| place.1);
+        let high = (PANEL.1 + 50.0).max(lowest + ENTRY);
         (wide.max(title) as u32, high as u32)
     }
 
@@ -117,18 +178,23 @@ impl Figure for Panels {
         for (number, panel) in self.panels.iter().enumerate() {
             let left = MARGIN + PANEL.0 * number as f64;
             // Room for numbers and labels.
-            let frame =
-                Frame { left: left + 74.0, top: 46.0, wide: PANEL.0 - 92.0, high: PANEL.1 - 56.0 };
+            let frame = Frame {
+                left: left + BEFORE,
+                top: 46.0,
+                wide: PANEL.0 - 92.0,
+                high: PANEL.1 - 56.0,
+            };
             panel.draw(canvas, &frame)?;
         }
-        let left = MARGIN + PANEL.0 * self.panels.len() as f64;
-        for (number, (mark, name)) in self.legend().into_iter().enumerate() {
-            let y = 58.0 + ENTRY * number as f64;
+        let legend = self.legend();
+        for ((left, y), (mark, name)) in self.places(&legend).into_iter().zip(legend) {
             let (from, to, middle) = ((left, y), (left + 30.0, y), (left + 15.0, y));
             match mark {
-                Mark::Line(style) => {
-                    canvas.line(&[from, to], COLORS[style % COLORS.len()], 2.0)?;
-                    marker(canvas, middle, style)?;
+                Mark::Line(style, look) => {
+                    joined(canvas, &[from, to], style, look)?;
+                    if look.has_markers() {
+                        marker(canvas, middle, style)?;
+                    }
                 }
                 Mark::Guide => canvas.dashes(&[from, to], GREY, 1.2)?,
                 Mark::Front => {
@@ -153,7 +219,7 @@ impl Panel {
         let mut before = f64::NEG_INFINITY;
         for (place, text) in self.x.marks() {
             let x = left + place * wide;
-            canvas.line(&[(x, top), (x, bottom)], GRID, 1.0)?;
+            canvas.line(&[(x, top), (x, bottom)], grid(&text), 1.0)?;
             canvas.line(&[(x, bottom), (x, bottom + 5.0)], INK, 1.0)?;
             // A number that would touch the one before is left out.
             let half = 0.5 * width(&text, TEXT);
@@ -164,7 +230,7 @@ impl Panel {
         }
         for (place, text) in self.y.marks() {
             let y = bottom - place * high;
-            canvas.line(&[(left, y), (right, y)], GRID, 1.0)?;
+            canvas.line(&[(left, y), (right, y)], grid(&text), 1.0)?;
             canvas.line(&[(left - 5.0, y), (left, y)], INK, 1.0)?;
             canvas.text(&text, (left - 9.0, y), TEXT, INK, Anchor::Right)?;
         }
@@ -183,8 +249,10 @@ impl Panel {
             let color = line.style.map_or(GREY, |style| COLORS[style % COLORS.len()]);
             let points: Vec<(f64, f64)> = line.points.iter().filter_map(|p| at(*p)).collect();
             match line.style {
-                Some(_) if points.len() > 1 => canvas.line(&points, color, 2.0)?,
-                None if points.len() > 1 => canvas.dashes(&points, color, 1.2)?,
+                Some(style) if points.len() > 1 => joined(canvas, &points, style, line.look)?,
+                None if points.len() > 1 => {
+                    canvas.dashes(&without_needless(&points), color, 1.2)?;
+                }
                 _ => {}
             }
             for (x, low, high) in &line.spreads {
@@ -195,8 +263,8 @@ impl Panel {
         }
         for line in &self.lines {
             let Some(style) = line.style else { continue };
-            for point in line.points.iter().filter_map(|p| at(*p)) {
-                marker(canvas, point, style)?;
+            for point in line.points.iter().filter(|_| line.look.has_markers()) {
+                at(*point).map_or(Ok(()), |point| marker(canvas, point, style))?;
             }
             // Side by side, where runs of several lines failed at one place.
             let shift = 7.0 * (style as f64 - 0.5 * (self.lines.len() as f64 - 1.0));
@@ -205,11 +273,93 @@ impl Panel {
                 cross(canvas, (x, top), COLORS[style % COLORS.len()])?;
             }
         }
+        for line in &self.lines {
+            let points = line.points.iter().map(|p| at(*p));
+            labels(canvas, frame, points.zip(&line.labels))?;
+        }
         for point in self.front.iter().filter_map(|p| at(*p)) {
             canvas.circle(point, 8.0, INK, Some(1.6))?;
         }
         Ok(())
     }
+}
+
+impl Look {
+    fn has_markers(self) -> bool {
+        matches!(self, Look::Marked | Look::Points)
+    }
+}
+
+/// What joins the points of a style.
+fn joined<B: DrawingBackend>(
+    canvas: &Canvas<'_, B>,
+    points: &[(f64, f64)],
+    style: usize,
+    look: Look,
+) -> Drawn {
+    let color = COLORS[style % COLORS.len()];
+    match look {
+        Look::Marked => canvas.line(points, color, 2.0),
+        // What is dense would follow the pixels.
+        Look::Joined => canvas.line(&without_needless(points), color, 2.0),
+        Look::Band => canvas.line(&without_needless(points), color, 5.0),
+        Look::Points => Ok(()),
+    }
+}
+
+/// How far a point may be from the line that is drawn without it, in pixels.
+const NEEDLESS: f64 = 0.1;
+
+/// The points without which the line would be another one (Douglas and Peucker).
+fn without_needless(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let mut kept = vec![false; points.len()];
+    let mut pieces = vec![(0, points.len().saturating_sub(1))];
+    while let Some((first, last)) = pieces.pop() {
+        if points.is_empty() {
+            break;
+        }
+        (kept[first], kept[last]) = (true, true);
+        let between = first + 1..last.max(first + 1);
+        let off = |i: usize| from_line(points[i], points[first], points[last]);
+        let farthest = between.max_by(|a, b| off(*a).total_cmp(&off(*b)));
+        if let Some(middle) = farthest.filter(|i| off(*i) > NEEDLESS) {
+            pieces.extend([(first, middle), (middle, last)]);
+        }
+    }
+    points.iter().zip(kept).filter(|(_, kept)| *kept).map(|(point, _)| *point).collect()
+}
+
+/// How far a point is from the line between two others, ends included.
+fn from_line(p: (f64, f64), from: (f64, f64), to: (f64, f64)) -> f64 {
+    let along = (to.0 - from.0, to.1 - from.1);
+    let length = along.0.powi(2) + along.1.powi(2);
+    let share = (p.0 - from.0) * along.0 + (p.1 - from.1) * along.1;
+    let share = if length > 0.0 { (share / length).clamp(0.0, 1.0) } else { 0.0 };
+    (p.0 - from.0 - share * along.0).hypot(p.1 - from.1 - share * along.1)
+}
+
+/// Labels up and right of points; those of one place side by side.
+fn labels<'l, B: DrawingBackend>(
+    canvas: &Canvas<'_, B>,
+    frame: &Frame,
+    labels: impl Iterator<Item = (Option<(f64, f64)>, &'l String)>,
+) -> Drawn {
+    let mut places: Vec<((f64, f64), String)> = Vec::new();
+    for (point, label) in labels.filter_map(|(point, label)| Some((point?, label))) {
+        let same = |p: &(f64, f64)| (p.0 - point.0).hypot(p.1 - point.1) < 8.0;
+        match places.iter_mut().find(|(p, _)| same(p)) {
+            Some((_, text)) => *text = format!("{text}, {label}"),
+            None => places.push((point, label.clone())),
+        }
+    }
+    for ((x, y), text) in places {
+        let fits = x + 7.0 + width(&text, LABEL) < frame.left + frame.wide;
+        let (x, anchor) = if fits { (x + 7.0, Anchor::Left) } else { (x - 7.0, Anchor::Right) };
+        // At the upper edge there is more room below.
+        let y = if y - 16.0 > frame.top { y - 9.0 } else { y + 11.0 };
+        canvas.text(&text, (x, y), LABEL, INK, anchor)?;
+    }
+    Ok(())
 }
 
 fn cross<B: DrawingBackend>(canvas: &Canvas<'_, B>, at: (f64, f64), color: RGBColor) -> Drawn {

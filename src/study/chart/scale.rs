@@ -9,6 +9,8 @@ pub(crate) enum Scale {
     Marked(f64, f64, Vec<f64>),
     /// Linear.
     Linear(f64, f64),
+    /// Linear, for whole numbers.
+    Whole(f64, f64),
     /// Names at 0, 1, 2, ...
     Names(Vec<String>),
 }
@@ -38,6 +40,15 @@ impl Scale {
         }
     }
 
+    /// For counts up to the largest of them, from `first` on.
+    pub fn whole(first: f64, counts: impl Iterator<Item = f64>) -> Self {
+        let most = counts.filter(|count| count.is_finite()).fold(first + 1.0, f64::max);
+        Scale::Whole(
+            first - if first > 0.0 { 0.5 } else { 0.0 },
+            most + 0.05 * (most - first).max(9.0),
+        )
+    }
+
     /// Logarithmic over numbers, with marks at them.
     pub fn marked(mut numbers: Vec<f64>) -> Self {
         numbers.sort_by(f64::total_cmp);
@@ -54,7 +65,7 @@ impl Scale {
             Scale::Log(low, high) | Scale::Marked(low, high, _) => {
                 (number / low).ln() / (high / low).ln()
             }
-            Scale::Linear(low, high) => (number - low) / (high - low),
+            Scale::Linear(low, high) | Scale::Whole(low, high) => (number - low) / (high - low),
             Scale::Names(names) => (number + 0.5) / names.len() as f64,
         };
         (-1e-9..=1.0 + 1e-9).contains(&place).then_some(place)
@@ -69,7 +80,8 @@ impl Scale {
             }
             Scale::Marked(_, _, marks) => marks.clone(),
             Scale::Log(low, high) => log_marks(*low, *high),
-            Scale::Linear(low, high) => linear_marks(*low, *high),
+            Scale::Linear(low, high) => linear_marks(*low, *high, 0.0),
+            Scale::Whole(low, high) => linear_marks(*low, *high, 1.0),
         };
         let powers = matches!(self, Scale::Log(low, high) if *low < 0.9e-3 || *high > 5e4);
         let step = numbers.windows(2).map(|p| p[1] - p[0]).fold(f64::INFINITY, f64::min);
@@ -103,8 +115,9 @@ fn log_marks(low: f64, high: f64) -> Vec<f64> {
     fitting.unwrap_or(decades)
 }
 
-fn linear_marks(low: f64, high: f64) -> Vec<f64> {
-    let rough = (high - low) / 6.0;
+/// Marks that are `least` apart or more.
+fn linear_marks(low: f64, high: f64, least: f64) -> Vec<f64> {
+    let rough = ((high - low) / 6.0).max(least);
     let power = 10f64.powf(rough.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0].iter().map(|f| f * power).find(|s| *s >= rough);
     let step = step.unwrap_or(10.0 * power);
@@ -142,7 +155,11 @@ fn plain_or_power(value: f64, powers: bool) -> String {
         .filter_map(|c| Some(digits[c.to_digit(10)? as usize]))
         .collect();
     let power = format!("10{sign}{number}");
-    if factor == 1.0 { power } else { format!("{factor}·{power}") }
+    match factor {
+        1.0 => power,
+        -1.0 => format!("-{power}"),
+        _ => format!("{factor}·{power}"),
+    }
 }
 
 #[cfg(test)]
@@ -183,6 +200,7 @@ mod tests {
     fn powers_are_written_as_such() {
         assert_eq!(plain_or_power(2e-7, true), "2·10⁻⁷");
         assert_eq!(plain_or_power(1e10, true), "10¹⁰");
+        assert_eq!(plain_or_power(-1e-7, true), "-10⁻⁷");
         assert_eq!(plain_or_power(0.05, false), "0.05");
     }
 }

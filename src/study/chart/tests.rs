@@ -1,3 +1,4 @@
+use super::canvas::Figure;
 use super::panel::{Line, Panel, Panels};
 use super::*;
 
@@ -8,6 +9,8 @@ fn panels() -> Panels {
         spreads: vec![(1.0, 0.02, 0.05)],
         failed: vec![3.0],
         style: Some(style),
+        look: Look::Marked,
+        labels: Vec::new(),
     };
     let lines = (0..6).map(|s| line(s, &[(1.0, 0.03), (10.0, 1e-5 * (s + 1) as f64)])).collect();
     let panel = Panel {
@@ -18,14 +21,16 @@ fn panels() -> Panels {
         lines,
         front: vec![(1.0, 0.03)],
     };
-    Panels { title: "Error against cost".into(), panels: vec![panel] }
+    Panels { title: "Error against cost".into(), panels: vec![panel], below: false }
 }
 
 #[test]
 fn a_chart_is_drawn_without_any_font_of_the_machine() {
     let figure = panels();
     let text = svg(&figure).unwrap();
-    assert!(text.starts_with("<svg") && text.trim_end().ends_with("</svg>"));
+    let (width, height) = figure.size();
+    let size = format!("<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 ");
+    assert!(text.starts_with(&size) && text.trim_end().ends_with("</svg>"), "{text}");
     for words in ["core-seconds [s]", "method 3, order ≥ 2", "10⁻³", "Pareto front", "failed"]
     {
         assert!(text.contains(words), "{words}");
@@ -57,5 +62,9 @@ fn an_empty_chart_is_drawn_too() {
         lines: Vec::new(),
         front: Vec::new(),
     };
-    assert!(svg(&Panels { title: String::new(), panels: vec![empty] }).unwrap().contains("<svg"));
+    assert!(
+        svg(&Panels { title: String::new(), panels: vec![empty], below: false })
+            .unwrap()
+            .contains("<svg")
+    );
 }

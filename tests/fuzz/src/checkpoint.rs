@@ -105,6 +105,7 @@ impl Bench {
             quiet: true,
             verbose: false,
             restart,
+            report: false,
             petsc_options: Vec::new(),
         };
         run_case(&self.runtime, &self.timers, &options)
