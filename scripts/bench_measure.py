@@ -102,7 +102,8 @@ class Bench:
         case, output = self.runs / f"{scene.name}.yaml", self.runs / name
         case.write_text(scene.case(fields))
         shutil.rmtree(output, ignore_errors=True)
-        command = [self.program, str(case), "--quiet", "--overwrite", "--output", str(output)]
+        command = [self.program, str(case), "--quiet", "--overwrite", "--output", str(output),
+                   "--set", "reduce=never"]
         for setting in settings:
             command += ["--set", setting]
         try:

@@ -38,7 +38,8 @@ for case in "${plain[@]}" "${second_order[@]/#/2:}" mixed:ssnp121/case "${porous
     mixed:*) settings=(--set mesh.column.bodies.0.order=2) ;;
     esac
     directory="$scratch/${case//\//_}" case=${case#*:}
-    mpirun -n 3 --quiet "$COLUMN_HPC" "cases/$case.yaml" --quiet --output "$directory" "${settings[@]}" || {
+    mpirun -n 3 --quiet "$COLUMN_HPC" "cases/$case.yaml" --quiet --set reduce=never --output "$directory" \
+        "${settings[@]}" || {
         printf 'check_fields: FAILED: cases/%s.yaml ended with status %d\n' "$case" $? >&2
         exit 1
     }

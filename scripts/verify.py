@@ -55,7 +55,7 @@ def run(program, case, ranks):
     with tempfile.TemporaryDirectory() as scratch:
         output = Path(scratch) / "results"
         command = ["mpirun", "-n", str(ranks), "--quiet", program, str(case), "--quiet",
-                   "--set", "output.fields=none", "--output", str(output)]
+                   "--set", "output.fields=none", "--set", "reduce=never", "--output", str(output)]
         try:
             done = subprocess.run(command, capture_output=True, text=True, timeout=TIME_LIMIT, check=False)
         except subprocess.TimeoutExpired:

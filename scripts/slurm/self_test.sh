@@ -39,7 +39,7 @@ fail() {
 }
 # A run of some seconds, so that signals meet it on its way.
 case_file=cases/wtnv146/case.yaml
-long=(--set "mesh.column.cells=[8, 8, 40]" --set "time.instants=[$(seq -s, 0.02 0.02 8)]" --set "expect=[]")
+long=(--set "mesh.column.cells=[8, 8, 40]" --set "time.instants=[$(seq -s, 0.02 0.02 8)]" --set "expect=[]" --set reduce=never)
 column() { cut -d, -f1,5-9 "$1/history.csv"; }
 
 # shellcheck disable=SC2086
