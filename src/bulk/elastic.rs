@@ -114,20 +114,34 @@ impl Stiffness {
 
     /// Stress at the centre (Pa): xx, yy, zz, xy, yz, xz, in 2D too (plane strain).
     pub fn stress(&self, u: &[f64]) -> [f64; 6] {
-        let mut h = [[0.0; 3]; 3];
-        let axes = axes(self.dim);
-        for (node, g) in self.centre.iter().enumerate() {
-            for (i, ai) in axes.iter().enumerate() {
-                for (j, aj) in axes.iter().enumerate() {
-                    h[*ai][*aj] += u[node * self.dim + i] * g[j];
-                }
-            }
-        }
+        let h = match self.dim {
+            2 => self.gradient::<2>(u),
+            _ => self.gradient::<3>(u),
+        };
         let trace = self.elastic.lambda * (h[0][0] + h[1][1] + h[2][2]);
         let mu = self.elastic.mu;
         let shear = |i: usize, j: usize| mu * (h[i][j] + h[j][i]);
         let normal = |i: usize| trace + 2.0 * mu * h[i][i];
         [normal(0), normal(1), normal(2), shear(0, 1), shear(1, 2), shear(0, 2)]
+    }
+
+    /// Derivatives of the displacements along x, y, z by x, y, z at the centre.
+    fn gradient<const DIM: usize>(&self, u: &[f64]) -> [[f64; 3]; 3] {
+        let mut sum = [[0.0; DIM]; DIM];
+        for (u, g) in u.as_chunks::<DIM>().0.iter().zip(&self.centre) {
+            for i in 0..DIM {
+                for j in 0..DIM {
+                    sum[i][j] += u[i] * g[j];
+                }
+            }
+        }
+        let mut h = [[0.0; 3]; 3];
+        for (i, ai) in axes(DIM).iter().enumerate() {
+            for (j, aj) in axes(DIM).iter().enumerate() {
+                h[*ai][*aj] = sum[i][j];
+            }
+        }
+        h
     }
 }
 

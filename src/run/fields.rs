@@ -18,6 +18,8 @@ pub struct FieldWriter {
     mesh: Option<BulkMesh>,
     bulk: Series,
     interfaces: Vec<Series>,
+    /// The facets of each interface, once they are known.
+    grids: Option<Vec<InterfaceGrid>>,
     /// Steps and times so far.
     pub written: Vec<(usize, f64)>,
 }
@@ -30,6 +32,7 @@ impl FieldWriter {
             mesh: None,
             bulk: series("bulk"),
             interfaces: case.interfaces.iter().map(|i| series(&i.name)).collect(),
+            grids: None,
             written,
         }
     }
@@ -49,9 +52,11 @@ impl FieldWriter {
         self.written.push((step, time));
         self.write_bulk(comm, publisher, case, model, (step, time))?;
         let problem = &model.stepper.problem;
-        let tractions = nodal_tractions(model);
-        for (index, series) in self.interfaces.iter_mut().enumerate() {
-            let side = InterfaceGrid::new(comm, model, index);
+        let grids = self.grids.get_or_insert_with(|| {
+            (0..case.interfaces.len()).map(|i| InterfaceGrid::new(comm, model, i)).collect()
+        });
+        let tractions = NodalTractions::new(model, grids);
+        for (index, (series, side)) in self.interfaces.iter_mut().zip(&*grids).enumerate() {
             let points: Vec<[f64; 3]> =
                 side.nodes.iter().map(|i| point(model, problem.all.secondary[*i].node)).collect();
             let grid = Grid {
@@ -63,7 +68,7 @@ impl FieldWriter {
             let vectors = |of: &dyn Fn(usize) -> [f64; 3]| -> Vec<f64> {
                 side.nodes.iter().flat_map(|i| in_space(of(*i), case.dim)).collect()
             };
-            let traction = vectors(&|i| tractions[problem.all.secondary[i].node as usize]);
+            let traction = vectors(&|i| tractions.at(problem.all.secondary[i].node));
             let jump = vectors(&|i| state.response[i].jump);
             let law = state.laws[index].spec.law();
             let damage: Vec<f64> =
@@ -247,6 +252,8 @@ impl BulkMesh {
 struct InterfaceGrid {
     /// Indices into `Discretization::secondary`.
     nodes: Vec<usize>,
+    /// Local nodes of each facet.
+    facets: Vec<Vec<u32>>,
     connectivity: Vec<i64>,
     shape: Shape,
 }
@@ -264,14 +271,11 @@ impl InterfaceGrid {
             row[all.secondary[*index].node as usize] = (first + i as u64) as f64;
         }
         all.nodes.update_ghosts(&mut row, 1);
-        let connectivity = facets(model, interface)
-            .into_iter()
-            .flatten()
-            .map(|n| row[n as usize] as i64)
-            .collect();
+        let facets = facets(model, interface);
+        let connectivity = facets.iter().flatten().map(|n| row[*n as usize] as i64).collect();
         let body = model.sides[interface].secondary.body;
         let shape = Shape::of(all.dim - 1, model.mesh.column.order(body));
-        Self { nodes, connectivity, shape }
+        Self { nodes, facets, connectivity, shape }
     }
 }
 
@@ -291,44 +295,60 @@ fn facets(model: &Model<'_>, interface: usize) -> Vec<Vec<u32>> {
         .collect()
 }
 
-/// Traction at every local node (Pa); where a component has no multiplier, the mean over its facets
-/// of the multipliers it was joined to. Collective.
-fn nodal_tractions(model: &Model<'_>) -> Vec<[f64; 3]> {
-    let problem: &Problem<'_> = &model.stepper.problem;
-    let (all, dim) = (&problem.all, problem.all.dim);
-    let mut traction = vec![0.0; all.nodes.len() * dim];
-    for (rows, response) in all.secondary.iter().zip(&problem.interfaces.response) {
-        traction[rows.node as usize * dim..][..dim].copy_from_slice(&response.bulk_traction[..dim]);
-    }
-    all.nodes.update_ghosts(&mut traction, dim);
-    let has_row = |node: u32, c: usize| {
-        all.secondary_of[node as usize].is_some_and(|i| all.secondary[i as usize].rows[c].is_some())
-    };
-    // Sums and counts over the facets of nodes without a multiplier.
-    let mut joined = vec![0.0; all.nodes.len() * 2 * dim];
-    for facet in (0..model.sides.len()).flat_map(|i| facets(model, i)) {
-        for c in 0..dim {
-            let kept: Vec<f64> = facet
-                .iter()
-                .filter(|n| has_row(**n, c))
-                .map(|n| traction[*n as usize * dim + c])
-                .collect();
-            if kept.is_empty() {
-                continue;
-            }
-            let mean = kept.iter().sum::<f64>() / kept.len() as f64;
-            for node in facet.iter().filter(|n| !has_row(**n, c)) {
-                joined[*node as usize * 2 * dim + c] += mean;
-                joined[*node as usize * 2 * dim + dim + c] += 1.0;
+/// Tractions at nodes (Pa); where a component has no multiplier, the mean over its facets of the
+/// multipliers it was joined to.
+struct NodalTractions {
+    dim: usize,
+    /// Of the multipliers, at all local nodes.
+    traction: Vec<f64>,
+    /// Sums and counts over the facets of nodes without a multiplier.
+    joined: Vec<f64>,
+}
+
+impl NodalTractions {
+    /// Collective.
+    fn new(model: &Model<'_>, grids: &[InterfaceGrid]) -> Self {
+        let problem: &Problem<'_> = &model.stepper.problem;
+        let (all, dim) = (&problem.all, problem.all.dim);
+        let mut traction = vec![0.0; all.nodes.len() * dim];
+        for (rows, response) in all.secondary.iter().zip(&problem.interfaces.response) {
+            traction[rows.node as usize * dim..][..dim]
+                .copy_from_slice(&response.bulk_traction[..dim]);
+        }
+        all.nodes.update_ghosts(&mut traction, dim);
+        let has_row = |node: u32, c: usize| {
+            let index = all.secondary_of[node as usize];
+            index.is_some_and(|i| all.secondary[i as usize].rows[c].is_some())
+        };
+        let mut joined = vec![0.0; all.nodes.len() * 2 * dim];
+        for facet in grids.iter().flat_map(|grid| &grid.facets) {
+            for c in 0..dim {
+                let kept: Vec<f64> = facet
+                    .iter()
+                    .filter(|n| has_row(**n, c))
+                    .map(|n| traction[*n as usize * dim + c])
+                    .collect();
+                if kept.is_empty() {
+                    continue;
+                }
+                let mean = kept.iter().sum::<f64>() / kept.len() as f64;
+                for node in facet.iter().filter(|n| !has_row(**n, c)) {
+                    joined[*node as usize * 2 * dim + c] += mean;
+                    joined[*node as usize * 2 * dim + dim + c] += 1.0;
+                }
             }
         }
+        all.nodes.add_to_owners(&mut joined, 2 * dim);
+        Self { dim, traction, joined }
     }
-    all.nodes.add_to_owners(&mut joined, 2 * dim);
-    let value = |node: usize, c: usize| {
-        let [sum, count] = [0, dim].map(|offset| joined[node * 2 * dim + offset + c]);
-        if count > 0.0 { sum / count } else { traction[node * dim + c] }
-    };
-    (0..all.nodes.len())
-        .map(|n| std::array::from_fn(|c| if c < dim { value(n, c) } else { 0.0 }))
-        .collect()
+
+    /// Local; complete at owned nodes.
+    fn at(&self, node: u32) -> [f64; 3] {
+        let (node, dim) = (node as usize, self.dim);
+        let value = |c: usize| {
+            let [sum, count] = [0, dim].map(|offset| self.joined[node * 2 * dim + offset + c]);
+            if count > 0.0 { sum / count } else { self.traction[node * dim + c] }
+        };
+        std::array::from_fn(|c| if c < dim { value(c) } else { 0.0 })
+    }
 }

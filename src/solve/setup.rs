@@ -20,7 +20,7 @@ use crate::fault;
 use crate::interface::Sides;
 use crate::mesh::{Column, LocalMesh, axes};
 use crate::multigrid::Hierarchy;
-use crate::petsc::{KspSetup, Matrix, Snes, Vector};
+use crate::petsc::{KspSetup, LinearOperator, Matrix, Snes, Vector};
 use crate::runtime::Runtime;
 use crate::space::AtNode;
 use crate::timers::Timers;
@@ -127,6 +127,15 @@ struct System {
     rows: usize,
 }
 
+/// The operator of a model that nobody solves.
+struct Nothing;
+
+impl LinearOperator for Nothing {
+    fn multiply(&self, _: &[f64], y: &mut [f64]) {
+        y.fill(f64::NAN);
+    }
+}
+
 /// Sets up SNES with the matrix, the levels of multigrid, or the saddle-point form. Collective.
 fn system(
     runtime: &Runtime,
@@ -144,8 +153,7 @@ fn system(
     let prefix = if case.flow.is_some() { MECHANICS } else { "" };
     if choice.options.is_empty() {
         let rows = all.nodes.owned * dim;
-        let operator = Rc::new(TangentOperator::new(Rc::clone(all), diagonal));
-        let matrix = Matrix::shell(petsc, rows, rows, dim, operator)?;
+        let matrix = Matrix::shell(petsc, rows, rows, dim, Rc::new(Nothing))?;
         let snes = Snes::new(petsc, prefix, matrix, &setup)?;
         return Ok(System { snes, form: TangentForm::Elsewhere, diagonal, saddle: None, rows });
     }
