@@ -15,6 +15,9 @@ const ROUNDING: f64 = 1e-12;
 /// Likewise of states of linear problems, which are combined from each other.
 const SAME: f64 = 64.0 * f64::EPSILON;
 
+/// So many states are looked at for what others have in common with them.
+const MOST_DIRECTIONS: usize = 32;
+
 /// What was shown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Proof {
@@ -192,8 +195,17 @@ impl Prover<'_> {
         let size = |v: &[f64]| dot(v, v).sqrt();
         let largest = rest.iter().map(|v| size(v)).fold(0.0, f64::max);
         loop {
-            let pick = (0..rest.len()).max_by(|a, b| size(&rest[*a]).total_cmp(&size(&rest[*b])));
-            let Some(pick) = pick.filter(|p| size(&rest[*p]) > SAME * largest) else { break };
+            let sizes: Vec<f64> = rest.iter().map(|v| size(v)).collect();
+            let pick = (0..rest.len()).max_by(|a, b| sizes[*a].total_cmp(&sizes[*b]));
+            let Some(pick) = pick.filter(|p| sizes[*p] > SAME * largest) else { break };
+            if count == MOST_DIRECTIONS {
+                // States without much in common.
+                for state in (0..rest.len()).filter(|s| sizes[*s] > SAME * largest) {
+                    let (found, own) = self.residual(&self.states[state])?;
+                    (count, energy, parts[state]) = (count + 1, energy.max(own), found);
+                }
+                break;
+            }
             let (found, own) = self.residual(&self.states[pick])?;
             (count, norm, energy) = (count + 1, norm.max(found), energy.max(own));
             // The direction is the state less its parts along the others.

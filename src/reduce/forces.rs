@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::Prolongation;
+use super::{Prolongation, Snapshot};
 use crate::mesh::{CellPlace, Column, axes};
 use crate::solve::Foundation;
 
@@ -89,13 +89,16 @@ pub fn add_forces(
     energy
 }
 
-/// Whether displacements by node are linear in each cell, to rounding. Local.
-pub fn are_straight(column: &Column, displacement: &[[f64; 3]]) -> bool {
-    let largest = displacement.iter().flatten().fold(0.0_f64, |m, u| m.max(u.abs()));
+/// Whether the displacements of all states are linear in each cell, to rounding. Local.
+pub fn are_straight(column: &Column, states: &[Snapshot]) -> bool {
+    let all = states.iter().flat_map(|s| s.displacement.as_flattened());
+    let largest = all.fold(0.0_f64, |m, u| m.max(u.abs()));
     // The solution's own rounding is larger than that of the values.
-    let cells = 0..column.cells();
-    let split = |cell| parent(column, cell, displacement, STRAIGHT * largest);
-    cells.map(split).all(|cell: Parent| cell.rest.is_empty())
+    let is_straight = |state: &Snapshot| {
+        let split = |cell| parent(column, cell, &state.displacement, STRAIGHT * largest);
+        (0..column.cells()).all(|cell| split(cell).rest.is_empty())
+    };
+    states.iter().all(is_straight)
 }
 
 /// Splits the displacements of the nodes of a cell into a linear part and the rest.

@@ -10,6 +10,10 @@ const TIGHTER: f64 = 1e-3;
 /// And at most; rounding is the limit where cells are many.
 const TIGHTEST: f64 = 1e-13;
 
+/// The states of all instants are kept: what a node takes on an average, and what all may take (bytes).
+const BYTES_OF_NODE: u64 = 400;
+const MOST_BYTES: u64 = 1 << 29;
+
 /// A smaller model has at most one of so many cells.
 const FEWER: u64 = 2;
 
@@ -46,6 +50,10 @@ pub fn candidates(case: &Case, wide: &Column) -> Vec<Candidate> {
             continue;
         }
         let column = wide.narrowed(keep);
+        let states = column.nodes() * case.time.len() as u64 * BYTES_OF_NODE;
+        if states > MOST_BYTES {
+            continue;
+        }
         let is_new = list.iter().all(|c| c.column.cells() != column.cells());
         if is_new && column.cells() * FEWER <= wide.cells() {
             list.push(Candidate { left_out, column, is_straight });

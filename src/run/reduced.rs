@@ -40,7 +40,7 @@ pub fn attempt(
     }
     let _phase = timers.enter(Phase::Solve);
     let wide = &foundation.mesh.column;
-    let mut why = "the mesh has no cells to leave out".to_owned();
+    let mut why = "no smaller model is of use".to_owned();
     for candidate in candidates(case, wide) {
         let started = Instant::now();
         let mut reduced = match solve(runtime, timers, case, foundation, &candidate)? {
@@ -49,8 +49,7 @@ pub fn attempt(
         };
         let solution_seconds = started.elapsed().as_secs_f64();
         let started = Instant::now();
-        let is_straight = |s: &Snapshot| are_straight(&candidate.column, &s.displacement);
-        if candidate.is_straight && !reduced.states.iter().all(is_straight) {
+        if candidate.is_straight && !are_straight(&candidate.column, &reduced.states) {
             why = "the displacements vary across the section".into();
             continue;
         }

@@ -69,6 +69,9 @@ fn the_reference_is_solved_by_one_cell_for_each_body() {
     }
     same(&reference().scattered(), 2, 48.0);
     same(&reference().set("mesh.order=2"), 2, 48.0);
+    // Among them one without any displacement.
+    let many = "time.instants=[0.5, 1, 1.5, 2, 2.5, 3, 4, 5, 6, 6.5, 8]";
+    same(&reference().set(many).set("expect=[]"), 1, 48.0);
     let plane = Scene::shipped("wtnv146/case_2d.yaml").set("mesh.column.cells=[20, 90]");
     same(&plane, 1, 16.0);
 }
