@@ -24,6 +24,11 @@ const STRICTER: f64 = 100.0;
 /// lips that still hold nothing bounds the pressure but what the rock stores.
 const MOST_DENSER: f64 = 0.1;
 
+/// Residual of a linear solve over that of the state it starts from. The tangent is that of pores at rest,
+/// so that a correction leaves about as much as the pores have changed, whatever its digits: what is left of
+/// the residual is left to the next correction, and Newton's test alone says when to stop.
+const REDUCTION: f64 = 1e-5;
+
 /// What the coupled model has beside the mechanical problem.
 pub struct Coupling {
     /// Pressure and balance.
@@ -150,12 +155,12 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         Ok(())
     }
 
+    fn has_trials(&self) -> bool {
+        !self.coupling.blocks.is_coupled
+    }
+
     fn trial(&mut self, correction: &[f64], norm: f64) -> Result<Trial> {
-        let blocks = &self.coupling.blocks;
-        if blocks.is_coupled {
-            return Ok(Trial::GoOn(None));
-        }
-        self.problem.trial(&correction[..blocks.split], norm)
+        self.problem.trial(&correction[..self.coupling.blocks.split], norm)
     }
 
     fn verdict(&mut self, iteration: usize, _x: &[f64], f: &[f64], norm: f64) -> Result<Verdict> {
@@ -170,6 +175,11 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         let force = force[0].max(problem.convergence.accepted_force());
         let fluid = self.coupling.flow.force_scale() / STRICTER;
         let both = [force, fluid].into_iter().filter(|scale| *scale > 0.0);
-        problem.linear.tolerance(norm, both.fold(f64::INFINITY, f64::min).min(f64::MAX))
+        let scale = both.fold(f64::INFINITY, f64::min).min(f64::MAX);
+        let tolerance = problem.linear.tolerance(norm, scale);
+        if self.coupling.blocks.is_coupled() {
+            return LinearTolerance { relative: REDUCTION, ..tolerance };
+        }
+        tolerance
     }
 }

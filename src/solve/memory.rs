@@ -30,7 +30,7 @@ const FACTORS_OF_SECOND_ORDER: f64 = 1.25;
 
 /// Flow takes so many bytes per pressure, 2D and 3D, most of them for the multigrid of its block, and for
 /// the vectors of GMRES so many per displacement.
-const PER_PRESSURE: [f64; 2] = [900.0, 2600.0];
+const PER_PRESSURE: [f64; 2] = [800.0, 1300.0];
 const PER_VECTORS: f64 = 140.0;
 
 /// Pressures that are unknown, at most: as if all cells were porous.
