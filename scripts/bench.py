@@ -10,6 +10,7 @@ from pathlib import Path
 from statistics import median
 
 import bench_check
+import bench_flow
 import bench_tables as tables
 from bench_measure import Bench, Failed
 from bench_scenes import FULL, QUICK, tilted
@@ -168,14 +169,29 @@ def accuracy(options):
     print(page)
 
 
+def flow(options):
+    """A pore pressure, known or to be found, against none."""
+    bench_flow.flow(options, Bench(options.keep, options.budget or (120 if options.quick else 900), options.limit))
+
+
 def page(options):
-    """Puts the tables of the results directory between the marks of docs/performance.md, the charts beside it."""
-    directory, parts = Path(options.keep), []
+    """Puts the tables of the results directory between the marks of docs/performance.md, the charts beside it.
+
+    What the directory does not hold stays on the page."""
+    directory, parts, fresh = Path(options.keep), [], False
+    before = PAGE.read_text()
+    pattern = re.compile(re.escape(MARKS[0]) + "(.*)" + re.escape(MARKS[1]), re.DOTALL)
+    marked = pattern.search(before)
+    if not marked:
+        sys.exit(f"bench: {PAGE} has no {MARKS[0]} ... {MARKS[1]}")
+    old = {part.split("\n", 1)[0]: f"### {part.strip()}\n" for part in re.split(r"^### ", marked[1], flags=re.MULTILINE)}
     for name, title in (("bench", "Cost"), ("check", "The same numbers"), ("presets", "Presets"),
-                        ("accuracy", "Speed against accuracy")):
+                        ("accuracy", "Speed against accuracy"), ("flow", "Flow")):
         found = directory / f"{name}.md"
         if not found.exists():
+            parts += [old[title]] if title in old else []
             continue
+        fresh = True
         part = f"### {title}\n\n{found.read_text().strip()}\n"
         chart = directory / f"{'cost' if name == 'presets' else name}.svg"
         if chart.exists():
@@ -183,12 +199,8 @@ def page(options):
             copy.write_text(chart.read_text())
             part += f"\n![{title}]({copy.name})\n"
         parts.append(part)
-    if not parts:
+    if not fresh:
         sys.exit(f"bench: {directory} holds no tables; run scripts/bench.sh first")
-    before = PAGE.read_text()
-    pattern = re.compile(re.escape(MARKS[0]) + ".*" + re.escape(MARKS[1]), re.DOTALL)
-    if not pattern.search(before):
-        sys.exit(f"bench: {PAGE} has no {MARKS[0]} ... {MARKS[1]}")
     tabled = f"{MARKS[0]}\n\n" + "\n".join(parts) + f"\n{MARKS[1]}"
     PAGE.write_text(pattern.sub(lambda _: tabled, before))
     print(PAGE)
@@ -207,6 +219,13 @@ def chosen(options):
 
 class Test(unittest.TestCase):
     """What needs no run."""
+
+    def test_flow_cases_differ_in_the_pressure_alone(self):
+        for scene in bench_flow.QUICK + bench_flow.FULL:
+            lines = {kind: [line for line in bench_flow.Scene(*scene, kind).case("none").split("\n")[1:]
+                            if line and "pressure: 0" not in line] for kind in bench_flow.KINDS}
+            self.assertEqual(lines["flow"], lines["mechanics"])
+            self.assertEqual(lines["known"], lines["mechanics"])
 
     def test_exponent(self):
         self.assertAlmostEqual(tables.exponent([(n, 3 * n**1.5) for n in (10, 20, 70)]), 1.5)
@@ -234,9 +253,10 @@ def parse():
     parser.add_argument("--quick", action="store_true", help="the small scenes, one repeat")
     parser.add_argument("--presets", action="store_true", help="our presets on every scene")
     parser.add_argument("--accuracy", action="store_true", help="error over core-seconds")
+    parser.add_argument("--flow", action="store_true", help="pore pressure, known or to be found, against none")
     parser.add_argument("--charts", action="store_true", help="draw what --keep holds")
     parser.add_argument("--ranks", type=lambda text: [int(n) for n in text.split()], default=[1, 2], metavar='"1 2"')
-    parser.add_argument("--repeats", type=int, metavar="N", help="default: 3; 1 with --quick, --presets, --accuracy")
+    parser.add_argument("--repeats", type=int, metavar="N", help="default: 3; 5 with --flow; 1 with --quick, --presets, --accuracy")
     parser.add_argument("--scenes", type=lambda text: text.split(","), metavar="A,B", help="default: all")
     parser.add_argument("--linear", default="auto", metavar="NAME", help="preset of the timed runs (default: auto)")
     parser.add_argument("--budget", type=float, metavar="SECONDS", help="of all runs together; then repeats are left out")
@@ -254,7 +274,7 @@ def main():
         unittest.main(argv=[sys.argv[0]])
     action = {"check": bench_check.check, "page": page}.get(options.what)
     if not action:
-        action = presets if options.presets else accuracy if options.accuracy else ladder
+        action = presets if options.presets else accuracy if options.accuracy else flow if options.flow else ladder
     try:
         sys.exit(action(options))
     except (OSError, Failed, ValueError) as error:

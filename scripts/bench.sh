@@ -5,6 +5,7 @@
 #     scripts/bench.sh --quick         its small beginning: below 3 minutes
 #     scripts/bench.sh --presets       our presets on every scene: is `auto` within 1.3 of the best?
 #     scripts/bench.sh --accuracy      error of the mixed-mode scene over core-seconds
+#     scripts/bench.sh --flow          pore pressure, known or to be found, against none: below 15 minutes
 #     scripts/bench.sh --charts        draws what the results directory holds, as SVG and PNG
 #     scripts/bench.sh check           compares the histories of the timed runs with MUMPS at 1e-12
 #     scripts/bench.sh page            writes the tables into docs/performance.md
@@ -23,7 +24,7 @@ target="${CARGO_TARGET_DIR:-$root/target}"
 keep=results/bench mode=ladder
 for ((i = 1; i <= $#; i++)); do
     case ${!i} in
-    --presets | --accuracy | --charts) mode=${!i#--} ;;
+    --presets | --accuracy | --flow | --charts) mode=${!i#--} ;;
     check | page | self-test) mode=${!i} ;;
     -h | --help) mode=help ;;
     --keep=*) keep=${!i#--keep=} ;;

@@ -11,7 +11,7 @@ from bench_scenes import FULL, QUICK
 
 # Values of a kind are comparable: the largest of them all is the scale of each.
 KINDS = (("traction", "traction"), ("jump", "jump"), ("sliding", "jump"), ("damage", "damage"),
-         ("displacement", "displacement"), ("reaction", "reaction"), ("energy", "energy"))
+         ("displacement", "displacement"), ("reaction", "reaction"), ("energy", "energy"), ("pressure", "pressure"))
 TOLERANCE = 1e-8
 # The true force residual over the largest reaction.
 RESIDUAL = 1e-9

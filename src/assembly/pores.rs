@@ -10,6 +10,7 @@ use super::films::Films;
 use crate::bulk::{FlowStep, MAX_CORNERS, PorousCell};
 use crate::comm::Comm;
 use crate::element::Shape;
+use crate::simd::{Kernel, widest};
 use crate::space::Nodes;
 
 /// A porous cell of this rank.
@@ -58,8 +59,40 @@ pub struct PoreSpace {
     pub displacement_names: Vec<u64>,
 }
 
+/// [`PoreSpace::add_cell_forces`].
+struct CellForces<'a> {
+    pores: &'a PoreSpace,
+    all: &'a Discretization,
+    p: &'a [f64],
+    absolute: bool,
+    force: &'a mut [f64],
+}
+
+impl Kernel for CellForces<'_> {
+    #[inline(always)]
+    fn run(self) {
+        self.pores.add_cell_forces(self.all, self.p, self.absolute, self.force);
+    }
+}
+
+/// [`PoreSpace::add_cell_volumes`].
+struct CellVolumes<'a> {
+    pores: &'a PoreSpace,
+    all: &'a Discretization,
+    u: &'a [f64],
+    volume: &'a mut [f64],
+}
+
+impl Kernel for CellVolumes<'_> {
+    #[inline(always)]
+    fn run(self) {
+        self.pores.add_cell_volumes(self.all, self.u, self.volume);
+    }
+}
+
 impl PoreSpace {
     /// Takes the displacements of the nodes of a cell out of those of all local nodes.
+    #[inline(always)]
     fn gather(&self, all: &Discretization, cell: &PoreCell, u: &[f64], out: &mut Vec<f64>) {
         out.clear();
         for node in all.cells.nodes(cell.cell as usize) {
@@ -72,6 +105,7 @@ impl PoreSpace {
     }
 
     /// The cell's pressures above the reference.
+    #[inline(always)]
     fn pressures(&self, cell: &PoreCell, p: &[f64], reference: f64) -> [f64; MAX_CORNERS] {
         let mut of = [0.0; MAX_CORNERS];
         for (of, node) in of.iter_mut().zip(&cell.nodes[..self.corners()]) {
@@ -84,6 +118,11 @@ impl PoreSpace {
     /// in the pores and on the lips; above the references where `absolute`. Local.
     pub fn add_forces(&self, all: &Discretization, p: &[f64], absolute: bool, force: &mut [f64]) {
         self.films.add_forces(all, p, absolute, force);
+        widest(CellForces { pores: self, all, p, absolute, force });
+    }
+
+    #[inline(always)]
+    fn add_cell_forces(&self, all: &Discretization, p: &[f64], absolute: bool, force: &mut [f64]) {
         let np = self.corners();
         let mut of_cell = Vec::new();
         for cell in &self.cells {
@@ -108,13 +147,18 @@ impl PoreSpace {
     /// the shares of the local pressure nodes (m3): the transpose of [`PoreSpace::add_forces`]. Local.
     pub fn add_volumes(&self, all: &Discretization, u: &[f64], volume: &mut [f64]) {
         self.films.add_volumes(all, u, volume);
+        widest(CellVolumes { pores: self, all, u, volume });
+    }
+
+    #[inline(always)]
+    fn add_cell_volumes(&self, all: &Discretization, u: &[f64], volume: &mut [f64]) {
         let np = self.corners();
         let mut of_cell = Vec::new();
         for cell in self.cells.iter().filter(|cell| self.is_free(cell)) {
             self.gather(all, cell, u, &mut of_cell);
             let mut own = [0.0; MAX_CORNERS];
             let like = &self.prototypes[cell.prototype as usize];
-            like.add_volume(&of_cell, &mut own[..np]);
+            like.add_volume(&of_cell, &mut own);
             for (node, v) in cell.nodes[..np].iter().zip(&own) {
                 volume[*node as usize] += v;
             }
@@ -122,6 +166,7 @@ impl PoreSpace {
     }
 
     /// Whether a pressure of the cell is to be found.
+    #[inline(always)]
     fn is_free(&self, cell: &PoreCell) -> bool {
         cell.nodes[..self.corners()].iter().any(|n| !self.prescribed[*n as usize])
     }

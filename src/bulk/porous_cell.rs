@@ -62,6 +62,8 @@ pub struct PorousCell {
     points: Vec<Point>,
     /// Integral of b div v N: row by displacement, column by pressure (m2).
     coupling: Vec<f64>,
+    /// Its transpose.
+    transposed: Vec<f64>,
     /// Integral of N N: row and column by pressure (m3).
     mass: Vec<f64>,
     /// Integral of the product of the slopes of N along each component (m).
@@ -112,7 +114,10 @@ impl PorousCell {
                 }
             }
         }
-        Self { medium, dim, order: prototype.order, size, points, coupling, mass, slopes }
+        let by_pressure = |a: usize| coupling.iter().skip(a).step_by(np).copied();
+        let transposed = (0..np).flat_map(by_pressure).collect();
+        let order = prototype.order;
+        Self { medium, dim, order, size, points, coupling, transposed, mass, slopes }
     }
 
     /// Corners of the cell.
@@ -126,19 +131,34 @@ impl PorousCell {
     }
 
     /// Adds the forces of the pressure on the nodes, b times the integral of div v p (N).
+    #[inline(always)] // for `simd`
     pub fn add_force(&self, p: &[f64], force: &mut [f64]) {
-        let np = self.corners();
-        for (force, row) in force.iter_mut().zip(self.coupling.chunks_exact(np)) {
-            *force += row.iter().zip(p).map(|(k, p)| k * p).sum::<f64>();
+        for (row, p) in self.transposed.chunks_exact(force.len()).zip(p) {
+            for (force, k) in force.iter_mut().zip(row) {
+                *force += k * p;
+            }
         }
     }
 
     /// Adds the transpose of [`PorousCell::add_force`] (m3).
-    pub fn add_volume(&self, u: &[f64], volume: &mut [f64]) {
-        let np = self.corners();
-        for (row, u) in self.coupling.chunks_exact(np).zip(u) {
-            volume.iter_mut().zip(row).for_each(|(v, k)| *v += k * u);
+    #[inline(always)] // for `simd`
+    pub fn add_volume(&self, u: &[f64], volume: &mut [f64; MAX_CORNERS]) {
+        if self.dim == 2 {
+            self.add_volume_at::<4>(u, volume);
+        } else {
+            self.add_volume_at::<MAX_CORNERS>(u, volume);
         }
+    }
+
+    #[inline(always)]
+    fn add_volume_at<const CORNERS: usize>(&self, u: &[f64], volume: &mut [f64; MAX_CORNERS]) {
+        let mut sum = [0.0; CORNERS];
+        for (row, u) in self.coupling.as_chunks::<CORNERS>().0.iter().zip(u) {
+            for (sum, k) in sum.iter_mut().zip(row) {
+                *sum += k * u;
+            }
+        }
+        volume.iter_mut().zip(sum).for_each(|(v, sum)| *v += sum);
     }
 
     /// How much the slopes of the change of the pressure in a step are held back, by component

@@ -92,7 +92,7 @@ fn the_tangent_at_rest_is_the_difference_of_the_balance() {
             });
             let mut unit = vec![0.0; n];
             unit[j] = 1.0;
-            let mut volume = vec![0.0; np];
+            let mut volume = [0.0; MAX_CORNERS];
             cell.add_volume(&unit, &mut volume);
             for a in 0..np {
                 assert!((column[a] - volume[a]).abs() < 1e-8, "{dim} {order} {lumped}");

@@ -120,6 +120,11 @@ impl Blocks {
         })
     }
 
+    /// Whether the fields are split, rather than eliminated together.
+    pub(super) fn is_split(&self) -> bool {
+        matches!(self.beside, Beside::Flow(_))
+    }
+
     /// Whether any pressure is to be found. Local: the same on all ranks.
     pub fn is_coupled(&self) -> bool {
         self.is_coupled && !self.holds.get()
@@ -144,7 +149,7 @@ impl Blocks {
         let change = problem.tangent(&x[..self.split], block.solver.matrix_mut())?;
         if change != TangentChange::Unchanged {
             self.tangent.set_state(problem.assembled_state());
-            if matches!(self.beside, Beside::Flow(_)) || self.holds.get() {
+            if self.is_split() || self.holds.get() {
                 block.solver.set_up(change)?;
             }
         }
@@ -201,7 +206,7 @@ impl Blocks {
 }
 
 /// The operator of the linear systems.
-struct Operator(Rc<Blocks>);
+pub(super) struct Operator(pub(super) Rc<Blocks>);
 
 impl LinearOperator for Operator {
     fn multiply(&self, x: &[f64], y: &mut [f64]) {

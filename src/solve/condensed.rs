@@ -67,6 +67,24 @@ pub fn follow(all: &Discretization, interfaces: &InterfaceState, correction: &mu
     }
 }
 
+/// The reverse of [`follow`], for a correction of which nothing is known in advance: 0 at stuck and prescribed
+/// components. Collective.
+pub fn to_unknowns(all: &Discretization, interfaces: &InterfaceState, correction: &mut [f64]) {
+    let dim = all.dim;
+    let mut y = vec![0.0; all.nodes.len() * dim];
+    y[..correction.len()].copy_from_slice(correction);
+    all.nodes.update_ghosts(&mut y, dim);
+    for (rows, response) in all.secondary.iter().zip(&interfaces.response) {
+        for c in (0..dim).filter(|c| response.state.jump[*c]) {
+            let Some(row) = &rows.rows[c] else { continue };
+            let followed: f64 = row.others.iter().map(|(n, a)| a * y[*n as usize * dim + c]).sum();
+            correction[rows.node as usize * dim + c] += followed / row.own;
+        }
+    }
+    let free = free_components(all, interfaces);
+    correction.iter_mut().zip(free).filter(|(_, free)| !free).for_each(|(c, _)| *c = 0.0);
+}
+
 /// Marks the owned components whose row is not the identity.
 pub fn free_components(all: &Discretization, interfaces: &InterfaceState) -> Vec<bool> {
     let dim = all.dim;

@@ -5,14 +5,16 @@
 
 use std::rc::Rc;
 
-use super::blocks::Blocks;
+use super::blocks::{Blocks, Operator};
 use super::condensed;
+use super::earlier::Earlier;
 use super::flow::Flow;
 use super::problem::Problem;
 use crate::bulk::FlowStep;
 use crate::error::Result;
 use crate::petsc::{
-    FurtherSolve, LinearTolerance, Matrix, NonlinearSystem, TangentChange, Trial, Verdict,
+    FurtherSolve, LinearOperator, LinearTolerance, Matrix, NonlinearSystem, TangentChange, Trial,
+    Verdict,
 };
 use crate::timers::Phase;
 
@@ -24,6 +26,11 @@ const STRICTER: f64 = 100.0;
 /// lips that still hold nothing bounds the pressure but what the rock stores.
 const MOST_DENSER: f64 = 0.1;
 
+/// Residual of a linear solve over that of the state it starts from. The tangent is that of pores at rest,
+/// so that a correction leaves about as much as the pores have changed, whatever its digits: what is left of
+/// the residual is left to the next correction, and Newton's test alone says when to stop.
+const REDUCTION: f64 = 1e-5;
+
 /// What the coupled model has beside the mechanical problem.
 pub struct Coupling {
     /// Pressure and balance.
@@ -31,6 +38,8 @@ pub struct Coupling {
     blocks: Rc<Blocks>,
     /// The step with which the flow was assembled.
     assembled: Option<FlowStep>,
+    /// The last corrections of both fields.
+    earlier: Earlier,
     /// What is missing in the balance of the fluid at the last state, over its scale.
     missing: f64,
 }
@@ -38,7 +47,7 @@ pub struct Coupling {
 impl Coupling {
     /// Nothing is assembled yet.
     pub fn new(flow: Flow, blocks: Rc<Blocks>) -> Self {
-        Self { flow, blocks, assembled: None, missing: 0.0 }
+        Self { flow, blocks, assembled: None, earlier: Earlier::default(), missing: 0.0 }
     }
 
     /// Whether the pressures stay as they are, and the mechanical problem alone is solved. Local.
@@ -81,6 +90,7 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         let mut change = coupling.blocks.set_mechanics(problem, x)?;
         let step = coupling.flow.step;
         if coupling.blocks.holds.get() {
+            coupling.earlier.forget_products();
             if change != TangentChange::Unchanged {
                 matrix.assemble()?;
             }
@@ -103,6 +113,9 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         if change != TangentChange::Unchanged {
             matrix.assemble()?;
         }
+        if change != TangentChange::Unchanged {
+            coupling.earlier.forget_products();
+        }
         if change == TangentChange::Changed {
             coupling.blocks.set_whole(problem.comm, problem.assembled_state())?;
         }
@@ -115,12 +128,14 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         correction: &mut [f64],
         _solve: &mut FurtherSolve<'_>,
     ) -> Result<()> {
-        let (problem, blocks) = (&mut *self.problem, &self.coupling.blocks);
+        let (problem, Coupling { blocks, earlier, .. }) = (&mut *self.problem, &mut *self.coupling);
         problem.interfaces.lean = 1.0;
         let u = &mut correction[..blocks.split];
         condensed::follow(&problem.all, &problem.interfaces, u);
         if !blocks.is_coupled {
             problem.keep(u);
+        } else if blocks.is_coupled() && blocks.is_split() {
+            earlier.keep(correction);
         }
         let mut part = problem.convergence.part_of_step;
         if let Some(fluid) = &blocks.pores.films.fluid {
@@ -135,7 +150,7 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
     }
 
     fn initial_guess(&mut self, rhs: &[f64], guess: &mut [f64]) -> Result<()> {
-        let blocks = &self.coupling.blocks;
+        let Coupling { blocks, earlier, .. } = &mut *self.coupling;
         let (gu, gp) = guess.split_at_mut(blocks.split);
         let (ru, rp) = rhs.split_at(blocks.split);
         blocks.for_identity_rows(|node| gp[node] = rp[node] / blocks.diagonal);
@@ -144,18 +159,33 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         }
         let problem = &*self.problem;
         let free = condensed::free_components(&problem.all, &problem.interfaces);
-        for ((guess, rhs), _) in gu.iter_mut().zip(ru).zip(free).filter(|(_, free)| !free) {
+        for ((guess, rhs), _) in gu.iter_mut().zip(ru).zip(&free).filter(|(_, free)| !**free) {
             *guess = rhs / blocks.diagonal;
+        }
+        if blocks.is_coupled() && blocks.is_split() {
+            let operator = Operator(Rc::clone(blocks));
+            let mut left = rhs.to_vec();
+            let (lu, lp) = left.split_at_mut(blocks.split);
+            let fixed = lu.iter_mut().zip(&free).filter(|(_, free)| !**free);
+            fixed.for_each(|(left, _)| *left = 0.0);
+            blocks.for_identity_rows(|node| lp[node] = 0.0);
+            let unknowns = |x: &mut [f64]| {
+                let (u, p) = x.split_at_mut(blocks.split);
+                condensed::to_unknowns(&problem.all, &problem.interfaces, u);
+                blocks.for_identity_rows(|node| p[node] = 0.0);
+            };
+            let multiply = |x: &[f64], y: &mut [f64]| operator.multiply(x, y);
+            earlier.add_best(problem.comm, unknowns, multiply, &left, guess);
         }
         Ok(())
     }
 
+    fn has_trials(&self) -> bool {
+        !self.coupling.blocks.is_coupled
+    }
+
     fn trial(&mut self, correction: &[f64], norm: f64) -> Result<Trial> {
-        let blocks = &self.coupling.blocks;
-        if blocks.is_coupled {
-            return Ok(Trial::GoOn(None));
-        }
-        self.problem.trial(&correction[..blocks.split], norm)
+        self.problem.trial(&correction[..self.coupling.blocks.split], norm)
     }
 
     fn verdict(&mut self, iteration: usize, _x: &[f64], f: &[f64], norm: f64) -> Result<Verdict> {
@@ -170,6 +200,11 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         let force = force[0].max(problem.convergence.accepted_force());
         let fluid = self.coupling.flow.force_scale() / STRICTER;
         let both = [force, fluid].into_iter().filter(|scale| *scale > 0.0);
-        problem.linear.tolerance(norm, both.fold(f64::INFINITY, f64::min).min(f64::MAX))
+        let scale = both.fold(f64::INFINITY, f64::min).min(f64::MAX);
+        let tolerance = problem.linear.tolerance(norm, scale);
+        if self.coupling.blocks.is_coupled() {
+            return LinearTolerance { relative: REDUCTION, ..tolerance };
+        }
+        tolerance
     }
 }

@@ -40,13 +40,20 @@ const COUPLED: &[(&str, &str)] = &[
 /// Where every pressure is known the system is symmetric and positive.
 const KNOWN: &[(&str, &str)] = &[("ksp_type", "cg"), ("ksp_max_it", "500"), ("pc_type", "shell")];
 
-/// One V-cycle of BoomerAMG for a scalar field.
+/// One V-cycle of BoomerAMG for a scalar field, with few and short rows on the coarser levels.
 const MULTIGRID: &[(&str, &str)] = &[
     ("ksp_type", "preonly"),
     ("pc_type", "hypre"),
     ("pc_hypre_type", "boomeramg"),
     ("pc_hypre_boomeramg_strong_threshold", "0.5"),
+    ("pc_hypre_boomeramg_coarsen_type", "HMIS"),
+    ("pc_hypre_boomeramg_interp_type", "ext+i"),
+    ("pc_hypre_boomeramg_P_max", "6"),
 ];
+
+/// Sweeps of its smoother beside displacements of second order, which cost so much more that a second one costs
+/// nothing: in short steps the matrix is nearly a mass matrix, of which BoomerAMG makes no coarser level.
+const SWEEPS: (&str, &str) = ("pc_hypre_boomeramg_grid_sweeps_all", "2");
 
 /// The first step after a jump of the load is so much of the shortest one that does not oscillate along the
 /// shortest edge of a cell.
@@ -101,7 +108,9 @@ pub fn couple(
         }
         None => {
             let matrix = space.matrix(comm, petsc)?;
-            let options = if space.nodes.total <= FEW { ELIMINATION } else { MULTIGRID };
+            let second = mesh.column.highest_order() == 2;
+            let multigrid = [MULTIGRID, if second { &[SWEEPS] } else { &[] }].concat();
+            let options = if space.nodes.total <= FEW { ELIMINATION } else { &multigrid };
             let solver = Snes::new(petsc, FLOW, matrix, &KspSetup::new(options))?;
             Beside::Flow(RefCell::new(Block::new(petsc, solver)?))
         }

@@ -4,6 +4,7 @@ mod blocks;
 mod condensed;
 mod convergence;
 mod coupled;
+mod earlier;
 mod eigen;
 mod energy;
 mod film_setup;

@@ -240,7 +240,7 @@ impl<'a> Start<'a> {
 }
 
 /// The scalar product, in several sums that the processor works on at once.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (a, b) = (a.as_chunks::<8>(), b.as_chunks::<8>());
     let mut sums = [0.0; 8];
     for (a, b) in a.0.iter().zip(b.0) {
@@ -254,7 +254,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// Minimiser of the energy over the span, from the packed products; none if no direction has
 /// positive energy.
-fn best_weights(n: usize, products: &[f64]) -> Option<DVector<f64>> {
+pub(super) fn best_weights(n: usize, products: &[f64]) -> Option<DVector<f64>> {
     let (mut energy, mut rhs) = (DMatrix::zeros(n, n), DVector::zeros(n));
     let mut next = products.iter().copied();
     for j in 0..n {

@@ -298,6 +298,20 @@ fn linear_iterations_do_not_depend_on_the_mesh() {
     sweep(2, &[4, 8], [6.0, 18.0]);
 }
 
+/// Steps of one length start from the span of the corrections before.
+#[test]
+fn linear_iterations_become_fewer_where_steps_are_alike() {
+    let scene = Scene::new("cube", CUBE)
+        .set("solver.petsc_options=")
+        .set("time.instants=[0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4]");
+    for order in [1, 2] {
+        let run = scene.set(&format!("mesh.order={order}")).on(order);
+        let [linear, newton] = ["linear_iterations", "newton_iterations"].map(|n| run.column(n));
+        println!("order {order}: {linear:?} iterations in {newton:?} corrections");
+        assert!(newton[7] <= newton[0] && linear[7] <= 0.8 * linear[0], "{linear:?}");
+    }
+}
+
 /// Elimination takes both fields together: what it leaves out depends on the state and is small. Also
 /// where an interface opens, on any number of ranks.
 #[test]

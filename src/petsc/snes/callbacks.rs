@@ -130,7 +130,7 @@ pub(super) unsafe extern "C" fn tangent<S: NonlinearSystem>(
             check(code, "SNESSetLagPreconditioner")?;
         }
         let (iteration, norm) = context.judged;
-        context.next_trial = TRIAL[0] * norm;
+        context.next_trial = if context.system.has_trials() { TRIAL[0] * norm } else { 0.0 };
         let tolerance = context.system.linear_tolerance(iteration, norm);
         context.ksp.set_tolerances(
             (!context.user.relative).then_some(tolerance.relative),

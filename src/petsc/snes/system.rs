@@ -84,6 +84,12 @@ pub trait NonlinearSystem {
         Ok(())
     }
 
+    /// Whether the running linear solve gets any [`NonlinearSystem::trial`]: each costs as much as an iteration
+    /// or more.
+    fn has_trials(&self) -> bool {
+        true
+    }
+
     /// Whether an iterative linear solve is worth going on with: it stands at `correction`, with a
     /// residual of norm `norm`, in the unknowns of the matrix.
     fn trial(&mut self, correction: &[f64], norm: f64) -> Result<Trial> {
