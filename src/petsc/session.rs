@@ -103,9 +103,10 @@ impl Petsc {
         Petsc { session: Rc::clone(&self.session), comm: self.comm.alone() }
     }
 
-    /// Whether the command line gives options. Local.
+    /// Whether the command line or the environment gives options. Local.
     pub fn has_options(&self) -> bool {
-        !self.session.command_line.is_empty()
+        let environment = std::env::var_os("PETSC_OPTIONS");
+        !self.session.command_line.is_empty() || environment.is_some_and(|o| !o.is_empty())
     }
 
     /// Adds options as they are written in a case (`-name value -name value`). Those of the command

@@ -7,7 +7,7 @@ use super::refusal::loads_at;
 use super::{Prolongation, Snapshot};
 use crate::case::Case;
 use crate::comm::Comm;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::solve::Foundation;
 
 /// Differences of this size, over the largest value, are rounding.
@@ -32,31 +32,27 @@ pub struct Proof {
 /// Shows how far the prolonged states of a smaller model are from those of the model of
 /// `foundation`. Collective.
 ///
-/// The inner result is what stands in the way, in words.
-///
 /// # Errors
-/// As the loads and prescribed displacements of the case.
+/// `Numerics` with what stands in the way; as the loads and prescribed displacements of the case.
 pub fn prove(
     comm: &Comm,
     case: &Case,
     foundation: &Foundation,
     prolongation: &Prolongation,
     states: &[Snapshot],
-) -> Result<std::result::Result<Proof, String>> {
+) -> Result<Proof> {
     let proof = Prover { comm, case, foundation, prolongation, states };
     let lips = Lips { case, foundation, prolongation, states };
     let strain = size_over_strain(case, &foundation.mesh.column, &lips.joints());
-    let (softening, strain) = match lips.softening().and_then(|share| Ok((share, strain?))) {
-        Ok(found) => found,
-        Err(why) => return Ok(Err(why)),
-    };
+    let (softening, strain) = comm
+        .agree(lips.softening().and_then(|share| Ok((share, strain?))).map_err(Error::Numerics))?;
     if let Some(why) = proof.differing_supports()? {
-        return Ok(Err(why));
+        return Err(Error::Numerics(why));
     }
     let defect = proof.jump_defect();
     let (residuals, norm, energy) = proof.residuals()?;
     if energy == 0.0 {
-        return Ok(Err("nothing is deformed".into()));
+        return Err(Error::Numerics("nothing is deformed".into()));
     }
     let cells = foundation.mesh.prototypes.iter().map(|p| (p.size, p.order));
     let mut least = [size_over_values(case.dim, cells)];
@@ -64,7 +60,7 @@ pub fn prove(
     // |e|^2 <= R.e / (1 - softening) and |e_j| <= sqrt(strain / (stiffness mass)) |e|.
     let amplified = norm * (strain / (stiffness_over_strain(case) * least[0])).sqrt();
     let error_bound = (amplified / ((1.0 - softening) * energy)).max(defect);
-    Ok(Ok(Proof { error_bound, softening, residuals }))
+    Ok(Proof { error_bound, softening, residuals })
 }
 
 struct Prover<'p> {
@@ -197,17 +193,19 @@ impl Prover<'_> {
         loop {
             let sizes: Vec<f64> = rest.iter().map(|v| size(v)).collect();
             let pick = (0..rest.len()).max_by(|a, b| sizes[*a].total_cmp(&sizes[*b]));
-            let Some(pick) = pick.filter(|p| sizes[*p] > SAME * largest) else { break };
-            if count == MOST_DIRECTIONS {
-                // States without much in common.
-                for state in (0..rest.len()).filter(|s| sizes[*s] > SAME * largest) {
-                    let (found, own) = self.residual(&self.states[state])?;
-                    (count, energy, parts[state]) = (count + 1, energy.max(own), found);
-                }
-                break;
-            }
+            let pick = pick.filter(|p| sizes[*p] > SAME * largest);
+            // Rounding on other machines must not send ranks different ways.
+            let mine = pick.filter(|_| self.comm.is_root()).map_or(0, |p| p as u64 + 1);
+            let Some(pick) = self.comm.max_u64(mine).checked_sub(1) else { break };
+            let pick = pick as usize;
             let (found, own) = self.residual(&self.states[pick])?;
             (count, norm, energy) = (count + 1, norm.max(found), energy.max(own));
+            if count > MOST_DIRECTIONS {
+                // States without much in common.
+                rest[pick].fill(0.0);
+                parts[pick] = found;
+                continue;
+            }
             // The direction is the state less its parts along the others.
             let length = size(&rest[pick]);
             let of_direction = (found + parts[pick]) / length;

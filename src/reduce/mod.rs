@@ -24,6 +24,9 @@ pub use refusal::{Situation, refusal};
 
 use crate::solve::{Model, NodeResponse};
 
+/// Why a mesh has no smaller model that is worth the while, in words.
+pub const NONE_OF_USE: &str = "no smaller model is of use";
+
 /// What became of the wish for a smaller model; part of `report.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Reduction {

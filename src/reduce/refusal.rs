@@ -12,7 +12,7 @@ pub struct Situation {
     pub unknowns: u64,
     /// Whether the run goes on from a checkpoint.
     pub goes_on: bool,
-    /// Whether the command line has options for PETSc.
+    /// Whether the command line or the environment has options for PETSc.
     pub has_options: bool,
 }
 

@@ -9,6 +9,7 @@ use crate::case::{self, Case, read_text};
 use crate::error::{Error, Result};
 use crate::interface::Sides;
 use crate::mesh::{Column, LocalMesh};
+use crate::reduce::{NONE_OF_USE, Situation, candidates, refusal};
 use crate::solve::memory::{memory, pressures};
 use crate::solve::{LinearChoice, strength_factors};
 use crate::space::{AtNode, Prescribed, PrescribedPressure};
@@ -80,6 +81,7 @@ pub fn describe(case: &Case) -> Result<String> {
             format!("{name} at z = {} m: {law}, multipliers on the {secondary} side", interface.z),
         )?;
     }
+    line("reduced", reduction(case, &column, unknowns))?;
     line("linear", format!("{}: {}", choice.preset, choice.why))?;
     line("memory", format!("about {:.2} GB on one rank", bytes / 1e9))?;
     line("disk", format!("about {:.3} GB", disk(case, &column) / 1e9))?;
@@ -87,4 +89,16 @@ pub fn describe(case: &Case) -> Result<String> {
     line("output", format!("{}", case.output.directory.display()))?;
     text.push_str("the case is right\n");
     Ok(text)
+}
+
+/// Whether a run would try a smaller model, in words.
+fn reduction(case: &Case, column: &Column, unknowns: u64) -> String {
+    let situation = Situation { unknowns, goes_on: false, has_options: false };
+    if let Some(why) = refusal(case, situation) {
+        return format!("no: {why}");
+    }
+    match candidates(case, column).first() {
+        Some(first) => format!("if the run can show that {}", first.left_out),
+        None => format!("no: {NONE_OF_USE}"),
+    }
 }

@@ -7,8 +7,8 @@ use crate::case::Case;
 use crate::error::{Error, Result};
 use crate::mesh::LocalMesh;
 use crate::reduce::{
-    Candidate, Certificate, Prolongation, Reduction, Situation, Snapshot, are_straight, candidates,
-    narrowed, prove, refusal,
+    Candidate, Certificate, NONE_OF_USE, Prolongation, Reduction, Situation, Snapshot,
+    are_straight, candidates, narrowed, prove, refusal,
 };
 use crate::runtime::Runtime;
 use crate::solve::{self, Accepted, Foundation, LinearChoice, Model};
@@ -39,72 +39,67 @@ pub fn attempt(
         return Ok((Reduction::none(why), None));
     }
     let _phase = timers.enter(Phase::Solve);
-    let wide = &foundation.mesh.column;
-    let mut why = "no smaller model is of use".to_owned();
-    for candidate in candidates(case, wide) {
-        let started = Instant::now();
-        let mut reduced = match solve(runtime, timers, case, foundation, &candidate)? {
-            Ok(reduced) => reduced,
-            Err(reason) => return Ok((Reduction::none(reason), None)),
-        };
-        let solution_seconds = started.elapsed().as_secs_f64();
-        let started = Instant::now();
-        if candidate.is_straight && !are_straight(&candidate.column, &reduced.states) {
-            why = "the displacements vary across the section".into();
-            continue;
+    let mut why = NONE_OF_USE.to_owned();
+    for candidate in candidates(case, &foundation.mesh.column) {
+        match serves(runtime, timers, case, foundation, &candidate) {
+            Ok(Ok((certificate, reduced))) => {
+                let (applied, why) = (true, candidate.left_out.to_owned());
+                let reduction = Reduction { applied, why, certificate: Some(certificate) };
+                return Ok((reduction, Some(reduced)));
+            }
+            Ok(Err(reason)) => why = reason,
+            // No other model would do better.
+            Err(Error::Numerics(reason)) => return Ok((Reduction::none(reason), None)),
+            Err(error) => return Err(error),
         }
-        let (comm, prolongation) = (&runtime.comm, &reduced.prolongation);
-        let proof = match prove(comm, case, foundation, prolongation, &reduced.states)? {
-            Ok(proof) => proof,
-            Err(reason) => return Ok((Reduction::none(reason), None)),
-        };
-        if proof.error_bound <= case.solver.tolerance {
-            let certificate = Certificate {
-                error_bound: proof.error_bound,
-                softening: proof.softening,
-                unknowns_asked: situation.unknowns,
-                unknowns_solved: reduced.unknowns,
-                residuals: proof.residuals,
-                solution_seconds,
-                proof_seconds: started.elapsed().as_secs_f64(),
-            };
-            reduced.fill(runtime, case, foundation);
-            let why = candidate.left_out.to_owned();
-            let reduction = Reduction { applied: true, why, certificate: Some(certificate) };
-            return Ok((reduction, Some(reduced)));
-        }
-        why = format!(
-            "without what varies across the section the error could be {:.1e} of the solution \
-             (solver.tolerance is {:.1e})",
-            proof.error_bound, case.solver.tolerance
-        );
     }
     Ok((Reduction::none(why), None))
 }
 
-/// The solution of a smaller model, or why there is none. Every rank
-/// finds it by itself, which costs less than to share it. Collective.
-fn solve(
+/// Solves a smaller model and proves that it serves; the inner error is why it is too small, in words.
+/// Every rank solves it by itself, which costs less than to share it. Collective.
+///
+/// # Errors
+/// `Numerics` when there is no such model, smaller or larger; else as [`attempt`].
+fn serves(
     runtime: &Runtime,
     timers: &Timers,
     case: &Case,
     foundation: &Foundation,
     candidate: &Candidate,
-) -> Result<std::result::Result<Reduced, String>> {
-    let alone = runtime.alone();
+) -> Result<std::result::Result<(Certificate, Reduced), String>> {
+    let (comm, wide) = (&runtime.comm, &foundation.mesh.column);
+    let started = Instant::now();
     let narrow = narrowed(case, &foundation.sides);
-    let instants = instants(&alone, timers, &narrow, candidate);
-    let found = match runtime.comm.agree(instants) {
-        Ok(found) => found,
-        Err(Error::Numerics(reason)) => return Ok(Err(reason)),
-        Err(error) => return Err(error),
+    let solved = instants(&runtime.alone(), timers, &narrow, candidate);
+    let (states, rows, unknowns) = comm.agree(solved)?;
+    let prolongation = Prolongation::new(&candidate.column, wide);
+    let mut reduced = Reduced { prolongation, states, rows, unknowns };
+    let solution_seconds = started.elapsed().as_secs_f64();
+    let started = Instant::now();
+    let bends = candidate.is_straight && !are_straight(&candidate.column, &reduced.states);
+    if comm.any(bends) {
+        return Ok(Err("the displacements vary across the section".into()));
+    }
+    let proof = prove(comm, case, foundation, &reduced.prolongation, &reduced.states)?;
+    let (bound, tolerance) = (proof.error_bound, case.solver.tolerance);
+    if bound > tolerance {
+        return Ok(Err(format!(
+            "without what varies across the section the error could be {bound:.1e} of the solution \
+             (solver.tolerance is {tolerance:.1e})"
+        )));
+    }
+    reduced.fill(runtime, case, foundation);
+    let certificate = Certificate {
+        error_bound: bound,
+        softening: proof.softening,
+        unknowns_asked: foundation.all.nodes.total * case.dim as u64,
+        unknowns_solved: unknowns,
+        residuals: proof.residuals,
+        solution_seconds,
+        proof_seconds: started.elapsed().as_secs_f64(),
     };
-    let (states, rows, unknowns) = match found {
-        Ok(found) => found,
-        Err(reason) => return Ok(Err(reason)),
-    };
-    let prolongation = Prolongation::new(&candidate.column, &foundation.mesh.column);
-    Ok(Ok(Reduced { prolongation, states, rows, unknowns }))
+    Ok(Ok((certificate, reduced)))
 }
 
 type Solved = (Vec<Snapshot>, Vec<(Vec<Option<f64>>, Accepted)>, u64);
@@ -115,7 +110,7 @@ fn instants(
     timers: &Timers,
     narrow: &Case,
     candidate: &Candidate,
-) -> Result<std::result::Result<Solved, String>> {
+) -> Result<Solved> {
     let comm = &alone.comm;
     let cells: Vec<u64> = (0..candidate.column.cells()).collect();
     let mesh = LocalMesh::new(&candidate.column, cells, candidate.column.cells());
@@ -132,9 +127,9 @@ fn instants(
     let stepper = &model.stepper;
     let found = [stepper.instabilities_in_words(), stepper.bifurcations_in_words()].concat();
     if let Some(first) = found.into_iter().next() {
-        return Ok(Err(first));
+        return Err(Error::Numerics(first));
     }
-    Ok(Ok((states, rows, model.unknowns)))
+    Ok((states, rows, model.unknowns))
 }
 
 impl Reduced {
