@@ -148,7 +148,7 @@ pub fn softening(
         share *= 1.0 + 2.0 / (n * n);
         if n > 1.0 && SHORT_MODES * slope * column.size[axis] / n > least {
             return Err(format!(
-                "{name} softens too steeply for the cells: a smaller size of theirs resolves it"
+                "{name} softens too steeply for the size of the cells; finer ones would do"
             ));
         }
     }
