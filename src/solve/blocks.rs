@@ -83,7 +83,7 @@ pub struct Blocks {
     /// Owned displacement components.
     pub(super) split: usize,
     /// Whether any pressure is not prescribed.
-    pub(super) is_coupled: bool,
+    pub(super) has_pressures: bool,
     /// Whether all pressures stay as they are, prescribed or not.
     pub(super) holds: Cell<bool>,
 }
@@ -104,7 +104,7 @@ impl Blocks {
     ) -> Result<Self> {
         let diagonal = tangent.identity_entry();
         let split = mechanics.matrix().owned_rows();
-        let is_coupled = pores.has_unknowns(comm);
+        let has_pressures = pores.has_unknowns(comm);
         Ok(Self {
             mechanics: RefCell::new(Block::new(petsc, mechanics)?),
             beside,
@@ -115,7 +115,7 @@ impl Blocks {
             scale,
             diagonal,
             split,
-            is_coupled,
+            has_pressures,
             holds: Cell::new(false),
         })
     }
@@ -127,7 +127,7 @@ impl Blocks {
 
     /// Whether any pressure is to be found. Local: the same on all ranks.
     pub fn is_coupled(&self) -> bool {
-        self.is_coupled && !self.holds.get()
+        self.has_pressures && !self.holds.get()
     }
 
     /// Calls `act` with every owned pressure whose row is the identity. Local.

@@ -132,7 +132,7 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         problem.interfaces.lean = 1.0;
         let u = &mut correction[..blocks.split];
         condensed::follow(&problem.all, &problem.interfaces, u);
-        if !blocks.is_coupled {
+        if !blocks.has_pressures {
             problem.keep(u);
         } else if blocks.is_coupled() && blocks.is_split() {
             earlier.keep(correction);
@@ -154,7 +154,7 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         let (gu, gp) = guess.split_at_mut(blocks.split);
         let (ru, rp) = rhs.split_at(blocks.split);
         blocks.for_identity_rows(|node| gp[node] = rp[node] / blocks.diagonal);
-        if !blocks.is_coupled {
+        if !blocks.has_pressures {
             return self.problem.initial_guess(ru, gu);
         }
         let problem = &*self.problem;
@@ -181,7 +181,7 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
     }
 
     fn has_trials(&self) -> bool {
-        !self.coupling.blocks.is_coupled
+        !self.coupling.blocks.has_pressures
     }
 
     fn trial(&mut self, correction: &[f64], norm: f64) -> Result<Trial> {

@@ -87,29 +87,19 @@ pub fn fresh() -> PathBuf {
 impl Scene {
     /// A case of `cases/`.
     pub fn shipped(name: &str) -> Self {
-        let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases").join(name);
-        Self {
-            case,
-            sets: Vec::new(),
-            scattered: false,
-            may_cut: false,
-            fields: false,
-            reduce: "never",
-        }
+        Self::of(Path::new(env!("CARGO_MANIFEST_DIR")).join("cases").join(name))
     }
 
     /// A case of its own.
     pub fn new(name: &str, yaml: &str) -> Self {
         let case = fresh().join(format!("{name}.yaml"));
         fs::write(&case, yaml).expect("the build directory is writable");
-        Self {
-            case,
-            sets: Vec::new(),
-            scattered: false,
-            may_cut: false,
-            fields: false,
-            reduce: "never",
-        }
+        Self::of(case)
+    }
+
+    fn of(case: PathBuf) -> Self {
+        let (scattered, may_cut, fields) = (false, false, false);
+        Self { case, sets: Vec::new(), scattered, may_cut, fields, reduce: "never" }
     }
 
     /// The same with a value of the case replaced.
