@@ -14,6 +14,9 @@ const TIGHTEST: f64 = 1e-13;
 const BYTES_OF_NODE: u64 = 400;
 const MOST_BYTES: u64 = 1 << 29;
 
+/// Every rank solves the smaller model by itself.
+const MOST_UNKNOWNS: u64 = 50_000;
+
 /// A smaller model has at most one of so many cells.
 const FEWER: u64 = 2;
 
@@ -51,7 +54,7 @@ pub fn candidates(case: &Case, wide: &Column) -> Vec<Candidate> {
         }
         let column = wide.narrowed(keep);
         let states = column.nodes() * case.time.len() as u64 * BYTES_OF_NODE;
-        if states > MOST_BYTES {
+        if states > MOST_BYTES || column.nodes() * case.dim as u64 > MOST_UNKNOWNS {
             continue;
         }
         let is_new = list.iter().all(|c| c.column.cells() != column.cells());
