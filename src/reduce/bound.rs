@@ -16,7 +16,7 @@ pub struct Joints {
 }
 
 /// Whether a surface prescribes a component of the displacement along an axis.
-fn holds(case: &Case, surface: Surface, axis: usize) -> bool {
+pub(super) fn holds(case: &Case, surface: Surface, axis: usize) -> bool {
     let mut entries = case.boundary.iter().filter(|entry| entry.on == surface);
     entries.any(|entry| entry.displacement[axis].is_some())
 }
@@ -71,7 +71,6 @@ fn reach(case: &Case, column: &Column, joints: &Joints, axes: &[usize]) -> Resul
         (Some(first), Some(last)) if first == last && from_below && from_above => {
             Ok(z(first).max(height - z(last)))
         }
-        (None, None) if from_below && from_above => Ok(height),
         (None, None) if from_below || from_above => Ok(height),
         (Some(_), Some(_)) if first != last => Err(format!(
             "the body between {} and {} is held by neither end",
@@ -121,8 +120,8 @@ pub fn stiffness_of_fibres(case: &Case, column: &Column) -> f64 {
 const SHORT_MODES: f64 = 36.0;
 
 /// What the softening of an interface with the slope `slope` (Pa/m) takes of the stiffness against
-/// its opening; below 1 the state is stable, whatever varies across the section. `face` is the
-/// secondary side.
+/// its opening; below 1 the state is stable, whatever varies across the section. `cells` are those of
+/// the body of its secondary side.
 ///
 /// # Errors
 /// What stands in the way, in words.

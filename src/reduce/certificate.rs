@@ -74,39 +74,35 @@ struct Prover<'p> {
 impl Prover<'_> {
     /// What is prescribed and not met by the prolonged states, in words. Collective.
     fn differing_supports(&self) -> Result<Option<String>> {
-        let Foundation { all, prescribed, .. } = self.foundation;
-        let owned = &all.nodes.names[..all.nodes.owned];
-        let held: Vec<(usize, [Option<usize>; 3])> = (0..owned.len())
-            .filter(|node| all.prescribed[*node] != [false; 3])
-            .map(|node| (node, prescribed.entries_of(owned[node])))
-            .collect();
-        let names: Vec<u64> = held.iter().map(|(node, _)| owned[*node]).collect();
-        let mut found = Ok(None);
-        'instants: for state in self.states {
-            let largest = largest(&state.displacement);
-            let u = self.prolongation.apply(&names, &state.displacement);
-            for ((node, entries), u) in held.iter().zip(u.chunks_exact(all.dim)) {
-                for (c, u) in u.iter().enumerate() {
-                    let Some(entry) = entries[c] else { continue };
-                    match prescribed.value(entry, c, owned[*node], state.time) {
-                        Ok(value) if (value - u).abs() <= ROUNDING * largest => {}
-                        Ok(_) => {
-                            let surface = prescribed.surface(entry);
-                            found = Ok(Some(format!("the displacement of {surface} is not met")));
-                            break 'instants;
-                        }
-                        Err(error) => {
-                            found = Err(error);
-                            break 'instants;
-                        }
-                    }
-                }
-            }
-        }
-        let found = self.comm.agree(found)?;
+        let found = self.comm.agree(self.first_not_met())?;
         let differs = self.comm.any(found.is_some());
         let elsewhere = || "a prescribed displacement is not met".to_owned();
         Ok(differs.then(|| found.unwrap_or_else(elsewhere)))
+    }
+
+    /// The first displacement of this rank's that is prescribed and not met, in words. Local.
+    fn first_not_met(&self) -> Result<Option<String>> {
+        let Foundation { all, prescribed, .. } = self.foundation;
+        let held = (0..all.nodes.owned).filter(|node| all.prescribed[*node] != [false; 3]);
+        let names: Vec<u64> = held.map(|node| all.nodes.names[node]).collect();
+        let entries: Vec<_> = names.iter().map(|name| prescribed.entries_of(*name)).collect();
+        for state in self.states {
+            let largest = largest(&state.displacement);
+            let u = self.prolongation.apply(&names, &state.displacement);
+            for (component, u) in u.iter().enumerate() {
+                let (node, c) = (component / all.dim, component % all.dim);
+                let Some(entry) = entries[node][c] else { continue };
+                let value = prescribed.value(entry, c, names[node], state.time)?;
+                if (value - u).abs() > ROUNDING * largest {
+                    let (surface, time) = (prescribed.surface(entry), state.time);
+                    return Ok(Some(format!(
+                        "at time {time} {value:e} m are prescribed on {surface} where the smaller \
+                         model has {u:e} m"
+                    )));
+                }
+            }
+        }
+        Ok(None)
     }
 
     /// The largest difference of the jump, and of the tractions that are interpolated, from those that

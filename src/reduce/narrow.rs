@@ -1,5 +1,6 @@
 //! The smaller models that are tried.
 
+use super::bound::holds;
 use crate::case::{Case, Linear, Reduce, Side, Surface};
 use crate::interface::Sides;
 use crate::mesh::Column;
@@ -68,11 +69,7 @@ pub fn candidates(case: &Case, wide: &Column) -> Vec<Candidate> {
 /// Whether both faces across an axis are held along it, so that nothing need vary there.
 fn is_held(case: &Case, axis: usize) -> bool {
     let faces = [[Surface::Left, Surface::Right], [Surface::Front, Surface::Back]][axis];
-    let held = |face: Surface| {
-        let mut entries = case.boundary.iter().filter(|entry| entry.on == face);
-        entries.any(|entry| entry.displacement[axis].is_some())
-    };
-    faces.into_iter().all(held)
+    faces.into_iter().all(|face| holds(case, face, axis))
 }
 
 /// The case of a smaller model of the one whose interfaces have these `sides`. Local.

@@ -165,10 +165,8 @@ physics: mechanics
     refused(&column("[7, 7, 9]", free), "vary across the section");
 }
 
-/// Clamped at the foot, nothing moves along y: a slice.
-#[test]
-fn plane_strain_is_solved_in_a_slice() {
-    let slice = "boundary:
+/// Clamped at the ends, nothing moves along y: a slice.
+const SLICE: &str = "boundary:
   - {on: bottom, displacement: {x: 0, y: 0, z: 0}}
   - {on: front, displacement: {y: 0}}
   - {on: back, displacement: {y: 0}}
@@ -176,7 +174,26 @@ fn plane_strain_is_solved_in_a_slice() {
 time: {instants: [1, 2]}
 physics: mechanics
 ";
-    same(&column("[6, 10, 6]", slice).set("solver.tolerance=1e-8"), 2, 7.0 * 2.0 * 15.0 * 3.0);
+
+#[test]
+fn plane_strain_is_solved_in_a_slice() {
+    same(&column("[6, 10, 6]", SLICE).set("solver.tolerance=1e-8"), 2, 7.0 * 2.0 * 15.0 * 3.0);
+}
+
+/// The figures of docs/theory.md, section 8; with --nocapture.
+#[test]
+#[ignore = "ten seconds, for its figures"]
+#[allow(clippy::print_stdout)]
+fn the_bound_of_an_uneven_state_grows_with_the_mesh() {
+    let rock = "materials={rock: {elastic: {young_modulus: 4.0e9, poisson_ratio: 0.2}}}";
+    let bounds = [6, 16, 24, 32].map(|n| {
+        let scene = column(&format!("[{n}, {n}, {}]", 2 * n), SLICE).set(rock);
+        let run = scene.reduced().on(1);
+        println!("{n}: {}", run.report["reduction"]);
+        run.report["reduction"]["error_bound"].as_f64()
+    });
+    assert!(bounds[..3].is_sorted() && bounds[..3].iter().all(Option::is_some), "{bounds:?}");
+    assert_eq!(bounds[3], None, "above the tolerance, which the reason tells");
 }
 
 /// The model asked for is solved, and told why.
