@@ -72,6 +72,12 @@ impl Discretization {
         self.secondary.partition_point(|r| (r.node as usize) < self.nodes.owned)
     }
 
+    /// Name of the node and interface of an entry of `secondary`. Local.
+    pub fn name_and_interface(&self, index: usize) -> (u64, usize) {
+        let rows = &self.secondary[index];
+        (self.nodes.names[rows.node as usize], rows.interface)
+    }
+
     /// The jump of a component at an entry of `secondary`, 0 where it has none (m); `u` holds the
     /// displacements of all local nodes. Local.
     pub fn jump(&self, index: usize, component: usize, u: &[f64]) -> f64 {

@@ -246,11 +246,7 @@ impl<'a> Session<'a> {
             residual_norms: self.residual_norms.clone(),
             instabilities: model.stepper.instabilities_in_words(),
             bifurcations: model.stepper.bifurcations_in_words(),
-            remarks: model
-                .stepper
-                .coupling
-                .as_ref()
-                .map_or_else(Vec::new, |coupling| coupling.flow.remarks.clone()),
+            remarks: model.stepper.remarks(),
             linear_solver: LinearSolver {
                 choice: model.choice.preset.into(),
                 why: model.choice.why.clone(),

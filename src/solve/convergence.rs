@@ -48,6 +48,31 @@ impl Worst {
     }
 }
 
+/// Forces cancel to this many units in the last place of the largest of them.
+const UNITS: f64 = 32.0;
+
+/// How large what makes up a state is at its nodes, at most.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Scales {
+    /// Sum of the lengths of the forces of cells and loads at a node (N).
+    pub force: f64,
+    /// Displacement (m).
+    pub displacement: f64,
+    /// Stiffness times displacement of a node (N): what cancels where bodies move as wholes and no
+    /// force acts, but for rounding.
+    cancelling: f64,
+}
+
+impl Scales {
+    /// Takes a node into account: its force (N), displacement (m) and stiffness (N/m).
+    pub fn see(&mut self, force: f64, u: &[f64], stiffness: f64) {
+        let largest = u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+        self.force = self.force.max(force);
+        self.displacement = self.displacement.max(largest);
+        self.cancelling = self.cancelling.max(stiffness * largest);
+    }
+}
+
 /// Errors of a state.
 struct Measure {
     /// Largest out-of-balance force (N).
@@ -68,8 +93,8 @@ pub struct Convergence {
     interface_names: Vec<String>,
     /// Largest nodal force scale (N) and displacement (m) of the accepted states.
     accepted: [f64; 2],
-    /// The same of the last evaluated state, on this rank.
-    current: [f64; 2],
+    /// Those of the last evaluated state.
+    current: Scales,
     signatures: Vec<u64>,
     /// How much of a correction is taken: less from a cycle of the branches on, until they stay.
     pub part_of_step: f64,
@@ -99,7 +124,7 @@ impl Convergence {
             column: column.clone(),
             interface_names,
             accepted: [0.0; 2],
-            current: [0.0; 2],
+            current: Scales::default(),
             signatures: Vec::new(),
             part_of_step: 1.0,
             cycles: 0,
@@ -115,10 +140,12 @@ impl Convergence {
         &self.column
     }
 
-    /// Takes note of the forces and displacements of a state. Local.
-    pub fn see_forces(&mut self, magnitude: &[f64], displacement: &[f64]) {
-        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        self.current = [largest(magnitude), largest(displacement)];
+    /// Takes note of the scales of a state, those of this rank's nodes. Collective.
+    pub fn see_scales(&mut self, comm: &Comm, own: Scales) {
+        let mut all = [own.force, own.displacement, own.cancelling];
+        comm.max(&mut all);
+        let [force, displacement, cancelling] = all;
+        self.current = Scales { force, displacement, cancelling };
     }
 
     /// Takes note of a residual that is not a number, which ends a solve before it is judged. Local.
@@ -134,13 +161,13 @@ impl Convergence {
         first.err().map(|place| place.to_string())
     }
 
-    /// Largest nodal force scale (N) and displacement (m) of the last evaluated state, on this rank.
-    pub fn current(&self) -> [f64; 2] {
+    /// The scales of the last evaluated state.
+    pub fn current(&self) -> Scales {
         self.current
     }
 
     /// Goes back to the scales of an earlier state. Local.
-    pub fn see_again(&mut self, scales: [f64; 2]) {
+    pub fn see_again(&mut self, scales: Scales) {
         self.current = scales;
     }
 
@@ -168,13 +195,10 @@ impl Convergence {
         self.failure = None;
     }
 
-    /// Makes the scales of the last evaluated state those of an accepted one. Collective.
-    pub fn accept(&mut self, comm: &Comm) {
-        let mut current = self.current;
-        comm.max(&mut current);
-        for (accepted, current) in self.accepted.iter_mut().zip(current) {
-            *accepted = accepted.max(current);
-        }
+    /// Makes the scales of the last evaluated state those of an accepted one. Local.
+    pub fn accept(&mut self) {
+        let Scales { force, displacement, .. } = self.current;
+        self.accepted = [self.accepted[0].max(force), self.accepted[1].max(displacement)];
     }
 
     /// Interfaces all of whose nodes gave way in some state of the last solve. Collective.
@@ -206,10 +230,9 @@ impl Convergence {
         interfaces: &InterfaceState,
         worst: Worst,
     ) -> Measure {
-        let mut scales = self.current;
-        comm.max(&mut scales);
-        let force_scale = scales[0].max(self.accepted[0]);
-        let displacement_scale = scales[1].max(self.accepted[1]);
+        let scales = self.current;
+        let force_scale = scales.force.max(self.accepted[0]);
+        let displacement_scale = scales.displacement.max(self.accepted[1]);
         let mut defect = vec![Worst::default(); interfaces.laws.len()];
         for (rows, response) in all.secondary.iter().zip(&interfaces.response) {
             let law = interfaces.laws[rows.interface].spec.law();
@@ -226,7 +249,8 @@ impl Convergence {
         }
         let worst = worst.over_ranks(comm);
         let defect: Vec<Worst> = defect.into_iter().map(|d| d.over_ranks(comm)).collect();
-        let out_of_balance = if worst.value == 0.0 { 0.0 } else { worst.value / force_scale };
+        let is_rounding = worst.value <= UNITS * f64::EPSILON * scales.cancelling;
+        let out_of_balance = if is_rounding { 0.0 } else { worst.value / force_scale };
         let largest = defect.iter().map(|d| d.value).fold(0.0, f64::max);
         Measure { worst, defect, out_of_balance, largest }
     }

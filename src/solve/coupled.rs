@@ -130,7 +130,10 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
     ) -> Result<()> {
         let (problem, Coupling { blocks, earlier, .. }) = (&mut *self.problem, &mut *self.coupling);
         problem.interfaces.lean = 1.0;
-        let u = &mut correction[..blocks.split];
+        problem.correct();
+        let (u, p) = correction.split_at_mut(blocks.split);
+        problem.set_known(u);
+        blocks.for_identity_rows(|node| p[node] = 0.0);
         condensed::follow(&problem.all, &problem.interfaces, u);
         if !blocks.has_pressures {
             problem.keep(u);
@@ -195,9 +198,8 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
 
     fn linear_tolerance(&mut self, _iteration: usize, norm: f64) -> LinearTolerance {
         let problem = &*self.problem;
-        let mut force = [problem.convergence.current()[0]];
-        problem.comm.max(&mut force);
-        let force = force[0].max(problem.convergence.accepted_force());
+        let current = problem.convergence.current().force;
+        let force = current.max(problem.convergence.accepted_force());
         let fluid = self.coupling.flow.force_scale() / STRICTER;
         let both = [force, fluid].into_iter().filter(|scale| *scale > 0.0);
         let scale = both.fold(f64::INFINITY, f64::min).min(f64::MAX);

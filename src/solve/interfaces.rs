@@ -16,6 +16,8 @@ pub struct NodeResponse {
     pub defect: [f64; 3],
     /// Traction with which the linearised law goes on from here (Pa).
     pub law_traction: [f64; 3],
+    /// Augmented traction at which the law answered, less that of the state (Pa).
+    pub shift: [f64; 3],
     /// What the tangent needs.
     pub state: NodeState,
     /// Derivative of the law's jump by the augmented traction (m/Pa).
@@ -53,7 +55,7 @@ impl NodeLaw<'_> {
 
     /// As [`InterfaceLaw::respond`], `p` with the augmentation of the node and that of the `damping`
     /// (Pa/m), which adds to the tangent.
-    fn respond(&self, p: Local, damping: f64, history: f64, dim: usize) -> Response {
+    pub(super) fn respond(&self, p: Local, damping: f64, history: f64, dim: usize) -> Response {
         let f = self.factor;
         let augmentation = self.interface_augmentation + damping / f;
         let answer = self.law.respond(p.map(|p| p / f), augmentation, history, dim);
@@ -99,6 +101,13 @@ pub struct Damping {
     pub from: Vec<[f64; 3]>,
 }
 
+/// What interfaces keep from accepted states.
+pub(super) struct History {
+    largest: Vec<f64>,
+    dissipated: Vec<f64>,
+    accepted: Vec<[f64; 3]>,
+}
+
 /// State of the secondary nodes that this rank owns, in the order of `Discretization::secondary`.
 pub struct InterfaceState {
     dim: usize,
@@ -110,6 +119,8 @@ pub struct InterfaceState {
     pub committed: Vec<f64>,
     /// Energy per area dissipated up to the last accepted state (J/m2).
     pub dissipated: Vec<f64>,
+    /// Augmented traction at the last accepted state, by displacement component (Pa).
+    pub accepted: Vec<[f64; 3]>,
     /// The answers at the last evaluated state.
     pub response: Vec<NodeResponse>,
     /// How much larger than they are augmented tractions are taken.
@@ -130,6 +141,7 @@ impl InterfaceState {
             jump: [0.0; 3],
             defect: [0.0; 3],
             law_traction: [0.0; 3],
+            shift: [0.0; 3],
             state: NodeState::STUCK,
             compliance: [[0.0; 3]; 3],
             branch: Branch::Stick,
@@ -143,6 +155,7 @@ impl InterfaceState {
             factors,
             committed,
             dissipated,
+            accepted: vec![[0.0; 3]; owned],
             response,
             lean: 1.0,
             damping: None,
@@ -199,10 +212,33 @@ impl InterfaceState {
                     answer = respond(part);
                 }
             }
-            let less = p.map(|p| (part - 1.0) * p);
+            let shift = p.map(|p| (part - 1.0) * p);
             self.response[index] =
-                combine(rows, (traction, less), jump, &answer, augmentation, dim);
+                combine(rows, (traction, shift), jump, &answer, augmentation, dim);
         }
+    }
+
+    /// Lets the laws of the nodes that are `marked`, or of all, answer linearly from the last accepted
+    /// state, at the state that was evaluated last. Local.
+    pub(super) fn linearise_at_accepted(&mut self, all: &Discretization, marked: Option<&[bool]>) {
+        for index in (0..self.response.len()).filter(|index| marked.is_none_or(|m| m[*index])) {
+            let (rows, here) = (&all.secondary[index], self.augmented(all, index));
+            let law = self.law_at(index, rows);
+            let p = self.accepted[index].map(|p| self.lean * p);
+            let answer = law.respond(to_local(p, self.dim), 0.0, self.committed[index], self.dim);
+            let shift = std::array::from_fn(|c| p[c] - here[c]);
+            let NodeResponse { bulk_traction, jump, .. } = self.response[index];
+            let traction = (bulk_traction, shift);
+            self.response[index] =
+                combine(rows, traction, jump, &answer, law.augmentation(), self.dim);
+        }
+    }
+
+    /// The augmented traction of the last evaluated state, by displacement component (Pa). Local.
+    pub(super) fn augmented(&self, all: &Discretization, index: usize) -> [f64; 3] {
+        let r = self.law_at(index, &all.secondary[index]).augmentation();
+        let NodeResponse { bulk_traction, jump, .. } = &self.response[index];
+        std::array::from_fn(|c| bulk_traction[c] + r * jump[c])
     }
 
     /// The largest traction over the strength of its interface, compression left out; 0 where it is no
@@ -221,6 +257,26 @@ impl InterfaceState {
         if largest[0] > 1e-8 * largest[1] { largest[0] } else { 0.0 }
     }
 
+    /// Takes the tractions of the last evaluated state for those of the accepted one. Local.
+    pub(super) fn take_tractions(&mut self, all: &Discretization) {
+        for index in 0..self.response.len() {
+            self.accepted[index] = self.augmented(all, index);
+        }
+    }
+
+    /// What is kept from accepted states. Local.
+    pub(super) fn history(&self) -> History {
+        let (largest, dissipated) = (self.committed.clone(), self.dissipated.clone());
+        History { largest, dissipated, accepted: self.accepted.clone() }
+    }
+
+    /// Goes back to what was kept from an earlier state. Local.
+    pub(super) fn go_back_to(&mut self, history: History) {
+        self.committed = history.largest;
+        self.dissipated = history.dissipated;
+        self.accepted = history.accepted;
+    }
+
     /// Makes the last evaluated state the accepted one.
     pub fn commit(&mut self, all: &Discretization) {
         for index in 0..self.response.len() {
@@ -230,6 +286,7 @@ impl InterfaceState {
             self.dissipated[index] = law.dissipated_after(before, to, to_local(jump, self.dim));
             self.committed[index] = to;
         }
+        self.take_tractions(all);
     }
 }
 
@@ -245,10 +302,10 @@ fn is_broken(branch: Branch) -> bool {
 }
 
 /// Puts the law's answer into displacement components; components without a multiplier take no
-/// part. The law answered to a traction that was `less` than that of the bulk (Pa).
+/// part. The law answered to a traction that had a `shift` from that of the bulk (Pa).
 fn combine(
     rows: &JumpRows<u32>,
-    (traction, less): ([f64; 3], [f64; 3]),
+    (traction, shift): ([f64; 3], [f64; 3]),
     jump: [f64; 3],
     answer: &Response,
     augmentation: f64,
@@ -275,7 +332,7 @@ fn combine(
                 .filter(|d| !state.stuck[*d])
                 .map(|d| state.tangent[c][d] * defect[d])
                 .sum();
-            law_traction[c] += less[c] + change + augmentation * defect[c];
+            law_traction[c] += shift[c] + change + augmentation * defect[c];
         }
     }
     NodeResponse {
@@ -283,6 +340,7 @@ fn combine(
         jump,
         defect,
         law_traction,
+        shift,
         state,
         compliance,
         branch: answer.branch,

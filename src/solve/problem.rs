@@ -5,11 +5,14 @@
 //! displacements by [`Problem::direction`].
 
 mod newton;
+mod predictor;
+
+pub(super) use predictor::{Onset, Prediction};
 
 use std::rc::Rc;
 
 use super::condensed;
-use super::convergence::{Convergence, Worst};
+use super::convergence::{Convergence, Scales, Worst};
 use super::interfaces::InterfaceState;
 use super::known_pressure::KnownPressure;
 use super::linear::LinearTarget;
@@ -52,6 +55,8 @@ pub struct Problem<'a> {
     form: TangentForm,
     /// Entry of identity rows (N/m).
     diagonal: f64,
+    /// The largest stiffness of each owned node (N/m).
+    stiffness: Vec<f64>,
     /// Displacements of all local nodes at the last evaluated state (m).
     pub displacement: Vec<f64>,
     /// Load of this rank's cells at the target time, per local node, not summed (N).
@@ -71,13 +76,20 @@ pub struct Problem<'a> {
     /// Path following, where the case asks for it.
     pub path: Option<PathControl>,
     /// Room for another state.
-    spare: [Vec<f64>; 3],
+    spare: [Vec<f64>; 4],
     /// States with which the tangent was assembled, for all local secondary nodes.
     assembled_state: Option<Vec<NodeState>>,
     /// States for which the preconditioner was set up.
     preconditioned: Option<Vec<NodeState>>,
     recycle: Recycle,
     rigid: RigidMotions,
+    prediction: Prediction,
+    /// Whether some laws answered from the last accepted state in the last evaluation.
+    waits: bool,
+    /// 2-norm of the residual that was judged last.
+    judged_norm: f64,
+    /// What gives way first in the running step.
+    pub(super) onset: Onset,
     /// 2-norm of the out-of-balance forces at the state that was judged last (N).
     pub residual_norm: f64,
 }
@@ -97,6 +109,11 @@ impl<'a> Problem<'a> {
     ) -> Self {
         let size = all.nodes.len() * all.dim;
         let rigid = RigidMotions::new(convergence.column());
+        let mut of_all = vec![0.0; size];
+        all.cells.add_diagonal(&mut of_all);
+        all.nodes.add_to_owners(&mut of_all, all.dim);
+        let of_nodes = of_all[..all.nodes.owned * all.dim].chunks_exact(all.dim);
+        let stiffness = of_nodes.map(|k| k.iter().fold(0.0, |m: f64, k| m.max(*k))).collect();
         Self {
             comm,
             timers,
@@ -106,6 +123,7 @@ impl<'a> Problem<'a> {
             linear,
             form,
             diagonal,
+            stiffness,
             displacement: vec![0.0; size],
             load: vec![0.0; size],
             pore_force: Vec::new(),
@@ -119,6 +137,10 @@ impl<'a> Problem<'a> {
             preconditioned: None,
             recycle: Recycle::default(),
             rigid,
+            prediction: Prediction::default(),
+            waits: false,
+            judged_norm: 0.0,
+            onset: Onset::default(),
             residual_norm: 0.0,
             all,
         }
@@ -183,7 +205,12 @@ impl<'a> Problem<'a> {
             let length = load.iter().map(|l| l * l).sum::<f64>().sqrt();
             *magnitude = magnitude.max(length);
         }
-        self.convergence.see_forces(&magnitude[..nodes.owned], &self.displacement[..x.len()]);
+        let u = self.displacement[..x.len()].chunks_exact(dim);
+        let mut scales = Scales::default();
+        for ((u, force), stiffness) in u.zip(&magnitude).zip(&self.stiffness) {
+            scales.see(*force, u, *stiffness);
+        }
+        self.convergence.see_scales(self.comm, scales);
     }
 
     /// Loads and forces of the pore pressure at owned nodes (N). Collective.
@@ -220,7 +247,10 @@ impl<'a> Problem<'a> {
         self.comm.sum(&mut square);
         self.residual_norm = square[0].sqrt();
         let (comm, all) = (self.comm, &self.all);
-        self.convergence.judge(comm, all, &self.interfaces, iteration, norm, worst, other)
+        let verdict =
+            self.convergence.judge(comm, all, &self.interfaces, iteration, norm, worst, other)?;
+        self.judged_norm = norm;
+        Ok(self.unless_waiting(verdict))
     }
 
     /// Evaluates a state with its scales; the 2-norm of its out-of-balance forces (N). Collective.
@@ -262,7 +292,8 @@ impl<'a> Problem<'a> {
 
     /// Puts the state aside, or gets it back. Local.
     fn exchange_with_spare(&mut self) {
-        let state = [&mut self.displacement, &mut self.bulk_force, &mut self.balance];
+        let [u, jumps] = [&mut self.displacement, &mut self.known_jumps];
+        let state = [u, jumps, &mut self.bulk_force, &mut self.balance];
         for (state, spare) in state.into_iter().zip(&mut self.spare) {
             spare.resize(state.len(), 0.0);
             std::mem::swap(state, spare);
@@ -279,10 +310,17 @@ impl<'a> Problem<'a> {
             let own = all.secondary[index].node as usize * dim + c;
             -self.bulk_force[own] / (row.weight * row.own)
         });
+        self.balance_with_laws(f);
+    }
+
+    /// The residual of the condensed form, from the forces of the bulk and the answers of the laws.
+    /// Collective.
+    fn balance_with_laws(&mut self, f: &mut [f64]) {
         if let TangentForm::Levels(hierarchy) = &self.form {
             let state = self.interfaces.response.iter_mut().map(|r| &mut r.state);
             hierarchy.finest().choose_unknowns(state);
         }
+        let dim = self.all.dim;
         let (known, known_force) = condensed::known_jumps(&self.all, &self.interfaces);
         self.known_jumps = known;
         let (all, response) = (&self.all, &self.interfaces.response);

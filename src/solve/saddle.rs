@@ -53,6 +53,27 @@ pub(super) struct SaddleSystem<'s, 'a> {
     pub(super) form: &'s mut SaddlePoint,
 }
 
+impl Problem<'_> {
+    /// Forces of the bulk with the tractions that the laws answer (N). Collective.
+    fn balance_of_laws(&mut self) {
+        let response = &self.interfaces.response;
+        self.balance.copy_from_slice(&self.bulk_force);
+        self.all.add_tractions(|index, c| response[index].law_traction[c], &mut self.balance);
+    }
+
+    /// The largest force that is out of balance with the answers of the laws. Local.
+    fn worst_balance(&self) -> Worst {
+        let (all, dim) = (&self.all, self.all.dim);
+        let mut worst = Worst::default();
+        for node in 0..all.nodes.owned {
+            let force = self.balance[node * dim..][..dim].iter().zip(all.prescribed[node]);
+            let free = force.filter(|(_, prescribed)| !prescribed);
+            worst.see(free.map(|(f, _)| f * f).sum::<f64>().sqrt(), all.nodes.names[node]);
+        }
+        worst
+    }
+}
+
 impl NonlinearSystem for SaddleSystem<'_, '_> {
     fn residual(&mut self, x: &[f64], f: &mut [f64]) -> Result<()> {
         let problem = &mut *self.problem;
@@ -63,6 +84,10 @@ impl NonlinearSystem for SaddleSystem<'_, '_> {
         problem.interfaces.evaluate(&problem.all, &problem.displacement, |index, c, row| {
             multipliers[index * dim + c] * scale / row.weight
         });
+        problem.balance_of_laws();
+        if problem.answer_in_turn(problem.worst_balance()) {
+            problem.balance_of_laws();
+        }
         let (all, response) = (&problem.all, &problem.interfaces.response);
         let (f, law) = f.split_at_mut(u.len());
         let mut force = problem.bulk_force.clone();
@@ -74,12 +99,14 @@ impl NonlinearSystem for SaddleSystem<'_, '_> {
             }
         }
         for (own, response) in law.chunks_exact_mut(dim).zip(response) {
-            own.iter_mut().zip(response.defect).for_each(|(f, defect)| *f = scale * defect);
+            for (c, f) in own.iter_mut().enumerate() {
+                let shifted: f64 =
+                    (0..dim).map(|d| response.compliance[c][d] * response.shift[d]).sum();
+                *f = scale * (response.defect[c] + shifted);
+            }
         }
         fault::strike_values(problem.comm, "residual", &mut *f)?;
         problem.convergence.see_residual(&problem.all, f);
-        problem.balance.copy_from_slice(&problem.bulk_force);
-        all.add_tractions(|index, c| response[index].law_traction[c], &mut problem.balance);
         Ok(())
     }
 
@@ -107,6 +134,14 @@ impl NonlinearSystem for SaddleSystem<'_, '_> {
         correction: &mut [f64],
         _solve: &mut FurtherSolve<'_>,
     ) -> Result<()> {
+        self.problem.correct();
+        self.problem.interfaces.lean = 1.0;
+        let (all, dim) = (&self.problem.all, self.problem.all.dim);
+        for (node, prescribed) in all.prescribed[..all.nodes.owned].iter().enumerate() {
+            for c in (0..dim).filter(|c| prescribed[*c]) {
+                correction[node * dim + c] = 0.0;
+            }
+        }
         let part = self.problem.convergence.part_of_step;
         correction.iter_mut().for_each(|c| *c *= part);
         Ok(())
@@ -116,22 +151,10 @@ impl NonlinearSystem for SaddleSystem<'_, '_> {
     /// multipliers it holds after every correction.
     fn verdict(&mut self, iteration: usize, _x: &[f64], _f: &[f64], norm: f64) -> Result<Verdict> {
         let problem = &mut *self.problem;
-        let (all, dim) = (&problem.all, problem.all.dim);
-        let mut worst = Worst::default();
-        for node in 0..all.nodes.owned {
-            let force = problem.balance[node * dim..][..dim].iter().zip(all.prescribed[node]);
-            let free = force.filter(|(_, prescribed)| !prescribed);
-            worst.see(free.map(|(f, _)| f * f).sum::<f64>().sqrt(), all.nodes.names[node]);
-        }
-        problem.convergence.judge(
-            problem.comm,
-            all,
-            &problem.interfaces,
-            iteration,
-            norm,
-            worst,
-            0.0,
-        )
+        let worst = problem.worst_balance();
+        let (comm, all, state) = (problem.comm, &problem.all, &problem.interfaces);
+        let verdict = problem.convergence.judge(comm, all, state, iteration, norm, worst, 0.0)?;
+        Ok(problem.unless_waiting(verdict))
     }
 
     fn linear_tolerance(&mut self, _iteration: usize, norm: f64) -> LinearTolerance {

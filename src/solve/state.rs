@@ -4,6 +4,7 @@ use std::rc::Rc;
 
 use serde::{Deserialize, Serialize};
 
+use super::coupled::Coupling;
 use super::energy::Energy;
 use super::flow::FluidBalance;
 use super::stepping::{Accepted, Stepper};
@@ -28,6 +29,12 @@ pub struct StepState {
     /// Whether the equilibrium at the start has been found (`initial.equilibrium`).
     #[serde(default)]
     pub has_begun: bool,
+    /// Until when what jumps at the start grows, where it has to (s).
+    #[serde(default)]
+    pub ramp: Option<f64>,
+    /// What else was said of accepted states.
+    #[serde(default)]
+    pub remarks: Vec<String>,
     /// 2-norm of the out-of-balance forces (N).
     pub residual_norm: f64,
     /// Largest nodal force scale (N) and displacement (m) of the accepted states.
@@ -65,8 +72,8 @@ impl StepState {
                 return wrong(what, size);
             }
         }
-        let numbers =
-            self.energy.iter().chain(&self.fluid).chain(&self.load_factor).chain([&self.time]);
+        let numbers = self.energy.iter().chain(&self.fluid);
+        let numbers = numbers.chain(&self.load_factor).chain(&self.ramp).chain([&self.time]);
         if let Some(number) = numbers.copied().find(|number| !number.is_finite()) {
             return wrong("state", number);
         }
@@ -124,6 +131,18 @@ impl Stepper<'_> {
     pub fn bifurcations_in_words(&self) -> Vec<String> {
         let found = self.bifurcations.iter().map(|found| found.words(self.case));
         self.earlier.bifurcations.iter().cloned().chain(found).collect()
+    }
+
+    /// What else is to be said of accepted states, those of earlier runs first. Local.
+    pub fn remarks(&self) -> Vec<String> {
+        let of_flow = self.coupling.iter().flat_map(|coupling| &coupling.flow.remarks);
+        let mut all: Vec<String> = Vec::new();
+        for remark in self.earlier.remarks.iter().chain(of_flow).chain(&self.remarks) {
+            if !all.contains(remark) {
+                all.push(remark.clone());
+            }
+        }
+        all
     }
 
     /// Time of the last accepted state (s).
@@ -188,6 +207,8 @@ impl Stepper<'_> {
                 },
             ),
             has_begun: self.has_begun,
+            ramp: self.grows_until(),
+            remarks: self.remarks(),
             residual_norm: problem.residual_norm,
             scales: problem.convergence.accepted_scales(),
             load_factor: problem.path.as_ref().map(|path| path.accepted_factor()),
@@ -244,7 +265,32 @@ impl Stepper<'_> {
         let counts =
             Accepted { newton_iterations, linear_iterations, steps, ..Accepted::default() };
         self.since_instant = counts;
+        if let Some(end) = step.ramp {
+            self.grow_until(end)?;
+        }
+        if acts {
+            self.resume_tractions()?;
+        }
         self.earlier = step;
+        Ok(())
+    }
+
+    /// Finds the tractions of the state that `self.x` holds. Collective.
+    fn resume_tractions(&mut self) -> Result<()> {
+        let path = self.problem.path.as_ref();
+        let time = path.map_or(self.time, |path| path.load_time(self.time));
+        let norm = self.problem.residual_norm;
+        self.set_load(time, self.part_at(time))?;
+        if let Some(Coupling { flow, .. }) = &self.coupling {
+            let force = &mut self.problem.pore_force;
+            force.clear();
+            force.resize(self.problem.displacement.len(), 0.0);
+            flow.add_forces(&self.problem.all, force);
+        }
+        let u = self.work.displacement.clone();
+        self.problem.out_of_balance(&u)?;
+        self.problem.interfaces.take_tractions(&self.problem.all);
+        self.problem.residual_norm = norm;
         Ok(())
     }
 

@@ -3,6 +3,8 @@
 mod along_path;
 mod branching;
 mod descent;
+mod doubts;
+mod ramp;
 mod start;
 mod words;
 
@@ -24,6 +26,7 @@ use crate::petsc::{Snes, SolveReport, Vector};
 use crate::signals;
 use crate::space::Prescribed;
 use branching::Consequence;
+use ramp::Ramp;
 
 /// A step is halved at most this often.
 const MOST_HALVINGS: u32 = 10;
@@ -62,6 +65,12 @@ pub struct Stepper<'a> {
     pub instabilities: Vec<Instability>,
     /// The accepted states that were reached from one that is not stable.
     pub bifurcations: Vec<Bifurcation>,
+    /// What else is to be said of accepted states.
+    pub remarks: Vec<String>,
+    /// Where what jumps at the start has to grow.
+    ramp: Option<Ramp>,
+    /// Forces of the pressures at the start, per local node, not summed (N).
+    initial_pore_force: Vec<f64>,
     /// Whether smaller steps are tried where states are unstable.
     pub(super) tries_smaller_steps: bool,
     /// Whether the running step was cut for an unstable state.
@@ -99,7 +108,7 @@ impl<'a> Stepper<'a> {
         let (instabilities, bifurcations) = (Vec::new(), Vec::new());
         let tries_smaller_steps =
             matches!(case.solver.stability, Stability::Auto | Stability::Follow);
-        Self {
+        let mut stepper = Self {
             problem,
             snes,
             case,
@@ -110,6 +119,9 @@ impl<'a> Stepper<'a> {
             breakpoints,
             instabilities,
             bifurcations,
+            remarks: Vec::new(),
+            ramp: None,
+            initial_pore_force: Vec::new(),
             tries_smaller_steps,
             is_cutting: false,
             is_indefinite: false,
@@ -121,7 +133,9 @@ impl<'a> Stepper<'a> {
             has_begun: false,
             earlier: StepState::default(),
             longest: Duration::ZERO,
-        }
+        };
+        stepper.initial_pore_force = stepper.pore_force_of(&stepper.coupling);
+        stepper
     }
 
     /// Solves for the state at `instant`. A step that fails is halved; the instant itself, and the
@@ -189,8 +203,12 @@ impl<'a> Stepper<'a> {
                 Some(found) => self.consequence(found, (step, smallest), total)?,
                 None => Consequence::Taken,
             };
-            if converged && !matches!(consequence, Consequence::Cut) {
-                self.refuse_freed_bodies(target)?;
+            let is_taken = converged && !matches!(consequence, Consequence::Cut);
+            let mut doubt = if is_taken { self.doubt(target) } else { None };
+            if is_taken && !doubt.as_ref().is_some_and(|doubt| doubt.is_worth(step, smallest)) {
+                if let Some(doubt) = doubt.take() {
+                    self.bear(doubt)?;
+                }
                 let owned = self.problem.all.nodes.owned * self.problem.all.dim;
                 fault::strike_values(
                     self.problem.comm,
@@ -204,9 +222,10 @@ impl<'a> Stepper<'a> {
                 step *= 2.0;
                 continue;
             }
-            let why = match unstable {
-                Some(found) => found.words(self.case),
-                None => self.reason(&report),
+            let why = match (&doubt, unstable) {
+                (Some(doubt), _) => doubt.words.clone(),
+                (None, Some(found)) => found.words(self.case),
+                (None, None) => self.reason(&report),
             };
             self.x.copy_from(&before)?;
             if let Err(stopped) = self.stop_if_asked(Duration::ZERO) {
@@ -229,6 +248,9 @@ impl<'a> Stepper<'a> {
                 )));
             }
             tracing::info!("  step from {} to {target} failed: {why}; halved", self.time);
+            if self.time == self.case.start && !self.has_begun && self.ramp.is_none() {
+                self.grow_until(instant)?;
+            }
             step = 0.5 * (target - self.time);
             self.step = step;
         }
@@ -276,14 +298,15 @@ impl<'a> Stepper<'a> {
         let report = if self.problem.path.is_some() {
             self.solve_path(target)?
         } else {
-            self.problem.set_load(target)?;
+            self.set_load(target, self.part_at(target))?;
             if let Some(coupling) = &mut self.coupling {
                 coupling.flow.start_step(self.problem.comm, self.time, target)?;
             }
-            let written = self.write_displacements(target);
+            let written = self.write_displacements(target, self.part_at(target));
             self.problem.comm.agree(written)?;
             let written = self.write_pressures(target);
             self.problem.comm.agree(written)?;
+            self.problem.predict();
             self.solve()?
         };
         self.persist(report)
@@ -323,12 +346,18 @@ impl<'a> Stepper<'a> {
         self.snes.solve(&mut SaddleSystem { problem, form }, &mut self.x)
     }
 
-    fn write_displacements(&mut self, time: f64) -> Result<()> {
+    /// Writes the prescribed displacements at `time`, with `part` of what jumps at the start.
+    fn write_displacements(&mut self, time: f64, part: f64) -> Result<()> {
+        let start = self.case.start;
         let mut x = self.x.write()?;
         self.problem.all.for_prescribed(|node, component| {
             let name = self.problem.all.nodes.names[node];
             let entry = self.prescribed.entries_of(name)[component];
-            let value = |entry| self.prescribed.value(entry, component, name, time);
+            let at = |entry, time| self.prescribed.value(entry, component, name, time);
+            let value = |entry| match part {
+                1.0 => at(entry, time),
+                _ => Ok(at(entry, time)? - (1.0 - part) * at(entry, start)?),
+            };
             x[node * self.problem.all.dim + component] = entry.map_or(Ok(0.0), value)?;
             Ok(())
         })
@@ -360,7 +389,7 @@ impl<'a> Stepper<'a> {
         if let Some(path) = &mut self.problem.path {
             path.accept();
         }
-        self.problem.convergence.accept(self.problem.comm);
+        self.problem.convergence.accept();
         self.problem.interfaces.commit(&self.problem.all);
         if let Some(Coupling { flow, .. }) = &mut self.coupling {
             flow.accept(self.problem.comm, &self.problem.all, &self.problem.displacement);

@@ -9,9 +9,16 @@ use crate::petsc::{
 use crate::solve::condensed;
 use crate::timers::Phase;
 
+/// How far the residual of a linear solve has to fall where its solution decides which interface gives
+/// way first.
+const DIGITS_OF_ORDER: f64 = 1e-4;
+
 impl NonlinearSystem for Problem<'_> {
     fn residual(&mut self, x: &[f64], f: &mut [f64]) -> Result<()> {
         self.evaluate(x, f, true);
+        if self.answer_in_turn(self.worst_force(f)) {
+            self.balance_with_laws(f);
+        }
         fault::strike_values(self.comm, "residual", &mut *f)?;
         self.convergence.see_residual(&self.all, f);
         Ok(())
@@ -58,6 +65,8 @@ impl NonlinearSystem for Problem<'_> {
     ) -> Result<()> {
         fault::strike_values(self.comm, "linear", &mut *correction)?;
         self.interfaces.lean = 1.0;
+        self.correct();
+        self.set_known(correction);
         let part = self.convergence.part_of_step;
         let Some(path) = self.path.as_mut().filter(|path| path.follows()) else {
             condensed::follow(&self.all, &self.interfaces, correction);
@@ -71,6 +80,11 @@ impl NonlinearSystem for Problem<'_> {
         let mut along = vec![0.0; rhs.len()];
         match solve(&rhs, &mut along) {
             Ok(()) => {
+                along
+                    .iter_mut()
+                    .zip(condensed::free_components(all, state))
+                    .filter(|(_, free)| !free)
+                    .for_each(|(a, _)| *a = 0.0);
                 path.combine(comm, all, state, correction, along);
                 path.factor = before + part * (path.factor - before);
                 correction.iter_mut().for_each(|c| *c *= part);
@@ -87,7 +101,11 @@ impl NonlinearSystem for Problem<'_> {
             // The correction is not yet the whole one.
             return Ok(Trial::GoOn(None));
         }
+        if self.decides_order() && norm > DIGITS_OF_ORDER * self.judged_norm {
+            return Ok(Trial::GoOn(None));
+        }
         let mut x = correction.to_vec();
+        self.set_known(&mut x);
         condensed::follow(&self.all, &self.interfaces, &mut x);
         x.iter_mut().zip(&self.displacement).for_each(|(x, u)| *x = u - *x);
         // The linear solve goes on from the state that was linearised.

@@ -23,7 +23,7 @@ impl Stepper<'_> {
         let load_time = path.load_time(target);
         let mut unit = self.x.duplicate()?;
         std::mem::swap(&mut unit, &mut self.x);
-        let written = self.write_displacements(load_time);
+        let written = self.write_displacements(load_time, 1.0);
         std::mem::swap(&mut unit, &mut self.x);
         self.problem.comm.agree(written)?;
         path.unit_displacement = self.prescribed_part(&unit)?;
@@ -56,6 +56,7 @@ impl Stepper<'_> {
             }
         }
         self.hold_factor(None)?;
+        self.problem.predict_nothing();
         self.problem.interfaces.lean = self.problem.path.as_ref().map_or(1.0, PathControl::lean);
         let mut report = self.solve()?;
         report.iterations += corrections[0];
@@ -86,6 +87,7 @@ impl Stepper<'_> {
     /// Solves at a given load factor. Collective.
     fn load_to(&mut self, factor: f64) -> Result<SolveReport> {
         self.hold_factor(Some(factor))?;
+        self.problem.predict();
         self.solve()
     }
 

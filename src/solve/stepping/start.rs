@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::{Accepted, Coupling, Stepper};
+use super::{Accepted, Coupling, MOST_HALVINGS, Stepper};
 use crate::error::{Error, Result};
 
 impl Stepper<'_> {
@@ -19,42 +19,70 @@ impl Stepper<'_> {
     /// `Numerics` when there is no equilibrium or it leaves a body free; `Input` when a formula gives no
     /// finite number; `Stopped` on a signal: the state is then the undeformed one.
     pub(super) fn begin_in_equilibrium(&mut self, total: &mut Accepted) -> Result<()> {
-        self.stop_if_asked(Duration::ZERO)?;
-        let start = self.time;
-        self.problem.set_load(start)?;
         let mut before = self.x.duplicate()?;
         before.copy_from(&self.x)?;
-        let written = self.write_displacements(start);
-        self.problem.comm.agree(written)?;
+        let (history, work) = (self.problem.interfaces.history(), self.work.clone());
+        self.grow_until(self.time)?;
         self.hold_pressures(true);
-        let solved = self.solve();
-        let solved = solved.and_then(|report| self.persist(report));
+        let begun = self.load_from_rest(total);
         self.hold_pressures(false);
-        let report = solved?;
-        total.newton_iterations += report.iterations;
-        total.linear_iterations += report.linear_iterations;
-        if !report.reason.is_converged() {
-            let why = self.reason(&report);
+        self.ramp = None;
+        if begun.is_err() {
             self.x.copy_from(&before)?;
-            self.stop_if_asked(Duration::ZERO)?;
-            return Err(Error::Numerics(format!(
-                "no equilibrium with the initial pressures (initial.equilibrium) at time {start}: {why}{}",
-                self.advice()
-            )));
+            self.problem.interfaces.go_back_to(history);
+            self.work = work;
+            return begun;
         }
-        self.refuse_freed_bodies(start)?;
-        let problem = &mut self.problem;
-        problem.convergence.accept(problem.comm);
-        problem.interfaces.commit(&problem.all);
+        let problem = &self.problem;
         if let Some(Coupling { flow, .. }) = &mut self.coupling {
             flow.begin(problem.comm, &problem.all, &problem.displacement);
         }
-        self.energy = self.work.accept(&self.problem);
         self.has_begun = true;
-        tracing::debug!(
-            "  in equilibrium with the initial pressures after {} corrections",
-            report.iterations
-        );
+        tracing::debug!("  in equilibrium with the initial pressures");
+        Ok(())
+    }
+
+    /// Lets all that acts at the start grow from nothing, at once where that converges. Collective.
+    fn load_from_rest(&mut self, total: &mut Accepted) -> Result<()> {
+        let (start, smallest) = (self.time, 0.5_f64.powi(MOST_HALVINGS as i32));
+        let (mut reached, mut step) = (0.0_f64, 1.0);
+        while reached < 1.0 {
+            self.stop_if_asked(Duration::ZERO)?;
+            let target = (reached + step).min(1.0);
+            let mut before = self.x.duplicate()?;
+            before.copy_from(&self.x)?;
+            self.set_load(start, target)?;
+            let written = self.write_displacements(start, target);
+            self.problem.comm.agree(written)?;
+            self.problem.predict();
+            let report = self.solve_from_here()?;
+            total.count(&report);
+            let converged = report.reason.is_converged();
+            let mut doubt = if converged { self.doubt(start) } else { None };
+            if converged && !doubt.as_ref().is_some_and(|doubt| doubt.is_worth(step, smallest)) {
+                if let Some(doubt) = doubt.take() {
+                    self.bear(doubt)?;
+                }
+                let problem = &mut self.problem;
+                problem.convergence.accept();
+                problem.interfaces.commit(&problem.all);
+                self.energy = self.work.accept(&self.problem);
+                (reached, step) = (target, 2.0 * step);
+                continue;
+            }
+            let why = doubt.map_or_else(|| self.reason(&report), |doubt| doubt.words);
+            self.x.copy_from(&before)?;
+            self.stop_if_asked(Duration::ZERO)?;
+            if step <= smallest {
+                return Err(Error::Numerics(format!(
+                    "no equilibrium with the initial pressures (initial.equilibrium) at time \
+                     {start} beyond {reached} of the loads and pressures: {why}{}",
+                    self.advice()
+                )));
+            }
+            tracing::info!("  {target} of what acts at the start failed: {why}; halved");
+            step = 0.5 * (target - reached);
+        }
         Ok(())
     }
 

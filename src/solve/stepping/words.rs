@@ -1,7 +1,6 @@
 //! Why a step fails, and what may lie behind it, in words.
 
 use super::Stepper;
-use crate::error::{Error, Result};
 use crate::petsc::SolveReport;
 
 impl Stepper<'_> {
@@ -37,8 +36,8 @@ impl Stepper<'_> {
         )
     }
 
-    /// Ends the run when the interfaces that broke leave a body to itself.
-    pub(super) fn refuse_freed_bodies(&self, time: f64) -> Result<()> {
+    /// That the interfaces that broke leave a body to itself, in words, if they do. Collective.
+    pub(super) fn freed_bodies(&self, time: f64) -> Option<String> {
         let problem = &self.problem;
         let mut holds = vec![0.0; self.case.interfaces.len()];
         let mut nodes = vec![0.0; holds.len()];
@@ -55,19 +54,20 @@ impl Stepper<'_> {
         let holds: Vec<bool> =
             holds.iter().zip(&nodes).map(|(h, n)| *h > 0.0 || *n == 0.0).collect();
         if holds.iter().all(|holds| *holds) {
-            return Ok(());
+            return None;
         }
         let free = self.case.free_motions(&holds);
         if free.is_empty() {
-            return Ok(());
+            return None;
         }
         let broken = self.case.interfaces.iter().zip(&holds).filter(|(_, holds)| !**holds);
         let names: Vec<&str> = broken.map(|(interface, _)| interface.name.as_str()).collect();
-        Err(Error::Numerics(format!(
-            "at time {time} interface {} has ruptured over its whole area: {}",
+        let have = if names.len() == 1 { "has" } else { "have" };
+        Some(format!(
+            "at time {time} interface {} {have} ruptured over the whole area: {}",
             names.join(" and "),
             free.join("; ")
-        )))
+        ))
     }
 
     /// Why a solve failed, in words. Collective.
@@ -94,15 +94,6 @@ impl Stepper<'_> {
     /// Interface and place of the lowest node that softened in the last solve. Collective.
     fn softening_place(&self) -> Option<String> {
         let mine = self.problem.convergence.softening;
-        // The maximum of the complements is the minimum.
-        let lowest =
-            u64::MAX - self.problem.comm.max_u64(u64::MAX - mine.map_or(u64::MAX, |m| m.0));
-        if lowest == u64::MAX {
-            return None;
-        }
-        let interface = mine.filter(|m| m.0 == lowest).map_or(0, |m| m.1);
-        let interface = self.problem.comm.max_u64(interface) as usize;
-        let at = self.problem.convergence.at(lowest);
-        Some(format!("interface {} {at}", self.case.interfaces[interface].name))
+        self.place_of(mine.map(|(name, interface)| (name, interface as usize)))
     }
 }

@@ -1,0 +1,98 @@
+//! Converged states that speak of a step that was too long.
+
+use super::Stepper;
+use crate::error::Result;
+use crate::solve::interfaces::to_local;
+
+/// Jumps above this part of the jump scale of the law, and pressures above this part of its
+/// strength, are no rounding.
+const PLAIN: f64 = 1e-6;
+
+/// What speaks against a converged state.
+pub(super) struct Doubt {
+    /// In words.
+    pub words: String,
+    /// Whether a run cannot go on from it.
+    pub is_final: bool,
+}
+
+/// Steps are cut for doubts that are not final down to so many of the smallest ones.
+const WORTH: f64 = 64.0;
+
+impl Doubt {
+    /// Whether a step of size `step` is worth cutting.
+    pub(super) fn is_worth(&self, step: f64, smallest: f64) -> bool {
+        step > if self.is_final { smallest } else { WORTH * smallest }
+    }
+}
+
+impl Stepper<'_> {
+    /// What speaks against the converged state at `time`, if anything. Collective.
+    pub(super) fn doubt(&self, time: f64) -> Option<Doubt> {
+        if let Some(words) = self.freed_bodies(time) {
+            return Some(Doubt { words, is_final: true });
+        }
+        let (problem, from) = (&self.problem, self.time);
+        let words = if problem.path.is_none()
+            && problem.onset.is_missed(problem.comm, &problem.interfaces)
+        {
+            let place = self.place_of(problem.onset.lowest(&problem.all))?;
+            format!(
+                "the step from {from} to {time} is too long: on its way the first to give way is \
+                 {place}, which is no more damaged at its end than before"
+            )
+        } else {
+            let pressed = self.pressed_opening();
+            let place = self.place_of(pressed)?;
+            format!(
+                "the step from {from} to {time} is too long for the law of the interface: {place} \
+                 is open and pressed at the same time"
+            )
+        };
+        Some(Doubt { words, is_final: false })
+    }
+
+    /// Goes on from a state in spite of a doubt, with a warning, or ends the run.
+    pub(super) fn bear(&mut self, doubt: Doubt) -> Result<()> {
+        if doubt.is_final {
+            return Err(crate::error::Error::Numerics(doubt.words));
+        }
+        let words = format!("{}; take more instants before this time", doubt.words);
+        tracing::warn!("warning: {words}");
+        self.remarks.push(words);
+        Ok(())
+    }
+
+    /// The lowest owned secondary node, by its name, whose lips are open and pressed: its interface.
+    /// Local.
+    fn pressed_opening(&self) -> Option<(u64, usize)> {
+        let (all, state) = (&self.problem.all, &self.problem.interfaces);
+        let is_pressed = |index: usize| {
+            let response = &state.response[index];
+            let law = state.laws[all.secondary[index].interface].spec.law();
+            let (Some(scale), Some(strength)) = (law.typical_jump(), law.strength()) else {
+                return false;
+            };
+            let jump = to_local(response.jump, all.dim)[0];
+            let traction = to_local(response.law_traction, all.dim)[0];
+            jump > PLAIN * scale && traction < -PLAIN * strength
+        };
+        let pressed = (0..state.response.len()).filter(|index| is_pressed(*index));
+        pressed.map(|index| all.name_and_interface(index)).min()
+    }
+
+    /// Interface and place, in words, of the lowest of the nodes that ranks give by name and
+    /// interface; none if no rank gives any. Collective.
+    pub(super) fn place_of(&self, mine: Option<(u64, usize)>) -> Option<String> {
+        let problem = &self.problem;
+        // The maximum of the complements is the minimum.
+        let lowest = u64::MAX - problem.comm.max_u64(u64::MAX - mine.map_or(u64::MAX, |m| m.0));
+        if lowest == u64::MAX {
+            return None;
+        }
+        let interface = mine.filter(|m| m.0 == lowest).map_or(0, |m| m.1 as u64);
+        let interface = problem.comm.max_u64(interface) as usize;
+        let at = problem.convergence.at(lowest);
+        Some(format!("interface {} {at}", self.case.interfaces[interface].name))
+    }
+}
