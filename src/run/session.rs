@@ -105,7 +105,8 @@ impl<'a> Session<'a> {
         if stopped && !self.keeper.is_current(self.last_time(model)) {
             self.write_checkpoint(model)?;
         }
-        let published = self.comm.agree(self.publisher.finish());
+        let flushed = self.history.as_ref().map_or(Ok(()), History::flush);
+        let published = self.comm.agree(self.publisher.finish().and(flushed));
         // What ended the run is told, not what came of it; a stop promises a checkpoint.
         if stopped { published.and(solved) } else { solved.and(published) }
     }
@@ -142,7 +143,7 @@ impl<'a> Session<'a> {
             }
             self.accepted = number + 1;
             if let Some(history) = &self.history {
-                let instants = tables::instants(history.table(), &names);
+                let instants = tables::instants(history.table(), &names, number);
                 let line = instants.last().map(|i| tables::instant_line(i, &names));
                 progress.pass(&line.unwrap_or_default());
             }
@@ -258,7 +259,7 @@ impl<'a> Session<'a> {
             timings,
             peak_memory_bytes: memory,
             partition,
-            instants: tables::instants(history.table(), &names),
+            instants: tables::instants(history.table(), &names, 0),
             expectations: outcomes,
             versions: versions(),
             case: self.case.resolved(),
