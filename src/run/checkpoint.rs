@@ -212,7 +212,9 @@ impl Restart {
                         return Err(Error::Input(format!("cannot go on from {file}: {words}")));
                     }
                 },
-                Err(error) if found.is_empty() => return Err(error),
+                Err(error) if found.is_empty() || matches!(error, Error::System(_)) => {
+                    return Err(error);
+                }
                 Err(error) => tracing::warn!("warning: {error}; the checkpoint before it is taken"),
             }
         }

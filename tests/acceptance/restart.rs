@@ -2,9 +2,12 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Output;
+use std::process::{Command, Output};
 
-use crate::scene::{Scene, fresh};
+use rustix::fs::{FlockOperation, flock};
+
+use crate::common::environment;
+use crate::scene::{PROGRAM, Scene, fresh};
 
 /// Ranks before the stop and after it.
 const RANKS: [(usize, usize); 3] = [(1, 2), (2, 3), (3, 1)];
@@ -239,6 +242,32 @@ fn a_damaged_checkpoint_falls_back_to_the_one_before() {
     assert_eq!(status(&output), Some(2), "{}", complaint(&output));
     let text = complaint(&output);
     assert!(text.contains("checkpoint.previous.h5: its fields are damaged"), "{text}");
+}
+
+/// The lock of a file in another process stands for a file system that has none: the same refusal.
+#[test]
+fn a_lock_that_cannot_be_had_is_named() {
+    let directory = stopped();
+    let file = fs::File::open(directory.join("checkpoint.h5")).expect("a checkpoint");
+    flock(&file, FlockOperation::LockExclusive).expect("locks");
+    let scene = reference();
+    let output = scene.launch(2, &directory, "", &["--restart", "latest"]);
+    let text = complaint(&output);
+    assert_eq!(status(&output), Some(4), "{text}");
+    for words in ["checkpoint.h5: HDF5 cannot lock it", "errno = 11", "HDF5_USE_FILE_LOCKING=FALSE"]
+    {
+        assert!(text.contains(words), "{text}");
+    }
+    assert!(!text.contains("not a whole HDF5 file"), "{text}");
+    // As the message says.
+    let output = Command::new(PROGRAM)
+        .args(scene.words(&directory))
+        .args(["--restart", "latest"])
+        .envs(environment())
+        .env("HDF5_USE_FILE_LOCKING", "FALSE")
+        .output()
+        .expect("the program");
+    assert_eq!(status(&output), Some(0), "{}", complaint(&output));
 }
 
 #[test]
