@@ -313,3 +313,15 @@ pub fn candidates(directory: &Path) -> Result<Vec<PathBuf>> {
     }
     Ok(found)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::readable;
+
+    #[test]
+    fn one_rank_reads_less_than_two_gibibytes_at_once() {
+        assert_eq!(readable((1 << 31) - 1), Ok(()));
+        let told = readable(1 << 31).unwrap_err();
+        assert!(told.contains("2147483648 bytes") && told.contains("more ranks"), "{told}");
+    }
+}
