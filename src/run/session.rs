@@ -149,18 +149,39 @@ impl<'a> Session<'a> {
             }
             if self.keeper.is_due(self.comm) {
                 self.write_checkpoint(model)?;
+            } else {
+                self.write_ahead(model)?;
             }
         }
         Ok(())
     }
 
     /// Reaches the next instant. Collective.
-    fn advance(&self, model: &mut Model<'_>, number: usize, time: f64) -> Result<Accepted> {
-        let _phase = self.timers.enter(Phase::Solve);
-        let Some(reduced) = &self.solution.reduced else { return model.stepper.advance(time) };
-        match signals::stop(self.comm, Duration::ZERO) {
-            Some(reason) => Err(Error::Stopped(format!("stopped by {reason}"))),
-            None => Ok(reduced.instant(number).0),
+    fn advance(&mut self, model: &mut Model<'_>, number: usize, time: f64) -> Result<Accepted> {
+        let timers = self.timers;
+        let _phase = timers.enter(Phase::Solve);
+        if let Some(reduced) = &self.solution.reduced {
+            return match signals::stop(self.comm, Duration::ZERO) {
+                Some(reason) => Err(signals::stopped(reason)),
+                None => Ok(reduced.instant(number).0),
+            };
+        }
+        loop {
+            if let Some(accepted) = model.stepper.advance(time)? {
+                return Ok(accepted);
+            }
+            let _phase = timers.enter(Phase::Output);
+            self.write_ahead(model)?;
+        }
+    }
+
+    /// Writes a checkpoint where the next step may be too slow for one when it is asked for. Collective.
+    fn write_ahead(&mut self, model: &mut Model<'_>) -> Result<()> {
+        let slow = model.stepper.problem.pulse.is_slow();
+        if slow && self.keeper.is_worth_it(self.comm) {
+            self.write_checkpoint(model)
+        } else {
+            Ok(())
         }
     }
 

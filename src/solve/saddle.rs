@@ -114,8 +114,13 @@ impl NonlinearSystem for SaddleSystem<'_, '_> {
 
     /// Equilibrium is judged with the law's tractions, as in the condensed form: with the
     /// multipliers it holds after every correction.
+    fn heed(&mut self) -> Result<()> {
+        self.problem.pulse.iteration(self.problem.comm)
+    }
+
     fn verdict(&mut self, iteration: usize, _x: &[f64], _f: &[f64], norm: f64) -> Result<Verdict> {
         let problem = &mut *self.problem;
+        problem.pulse.correction(problem.comm, iteration)?;
         let (all, dim) = (&problem.all, problem.all.dim);
         let mut worst = Worst::default();
         for node in 0..all.nodes.owned {

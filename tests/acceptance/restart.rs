@@ -15,12 +15,12 @@ const RANKS: [(usize, usize); 3] = [(1, 2), (2, 3), (3, 1)];
 /// A checkpoint at every instant.
 const EVERY: &str = "output.checkpoint={every: 1 instant}";
 
-fn reference() -> Scene {
+pub fn reference() -> Scene {
     Scene::shipped("wtnv146/case.yaml").set("mesh.column.cells=[2, 2, 6]").set("expect=[]")
 }
 
 /// Opens unevenly, then closes again; every instant takes several corrections.
-fn tilting() -> Scene {
+pub fn tilting() -> Scene {
     let yaml = "
 mesh: {column: {size: [1.0, 1.0, 5.0], bodies: [{cells: [2, 2, 3], order: 2}, {cells: [3, 3, 5]}]}}
 materials: {rock: {elastic: {young_modulus: 5.8e9, poisson_ratio: 0.25}}}
@@ -62,7 +62,7 @@ fn complaint(output: &Output) -> String {
 }
 
 /// Goes on from the latest checkpoint and compares the whole history with that of `unbroken`.
-fn goes_on(scene: &Scene, ranks: usize, directory: &Path, unbroken: &Path, label: &str) {
+pub fn goes_on(scene: &Scene, ranks: usize, directory: &Path, unbroken: &Path, label: &str) {
     let output = scene.launch(ranks, directory, "", &["--restart", "latest"]);
     assert_eq!(status(&output), Some(0), "{label}: {}", complaint(&output));
     let whole = Scene::left_in(unbroken, format!("{label}, unbroken"));
@@ -77,7 +77,7 @@ fn goes_on(scene: &Scene, ranks: usize, directory: &Path, unbroken: &Path, label
 }
 
 /// A scene with the results of its unbroken run.
-fn unbroken(scene: Scene) -> (Scene, PathBuf) {
+pub fn unbroken(scene: Scene) -> (Scene, PathBuf) {
     let directory = fresh();
     let output = scene.launch(1, &directory, "", &["--overwrite"]);
     assert_eq!(status(&output), Some(0), "{}", complaint(&output));
