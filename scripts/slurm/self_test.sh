@@ -73,11 +73,16 @@ for LAUNCHER in "" "mpirun -n 2 --quiet" "hydra -n 2 --quiet" "abrupt -n 2 --qui
     rounds=0
     while :; do
         rounds=$((rounds + 1))
+        touch "$scratch/stamp"
         bash scripts/slurm/requeue.sbatch $case_file "$out" "${long[@]}" --quiet >"$scratch/log" 2>&1 &
         job=$!
         # The first two jobs run out of time on their way.
         if [ "$rounds" -le 2 ]; then
-            sleep 1
+            for _ in {1..600}; do
+                [ "$out/history.csv" -nt "$scratch/stamp" ] && break
+                sleep 0.1
+            done
+            sleep 0.5
             # The second may be done by then.
             kill -USR2 "$job" 2>/dev/null || true
         fi
