@@ -35,12 +35,45 @@ fi
 read -r -a command <<<"$launcher"
 command+=("$program")
 
+# Which signal asks for a checkpoint and the end: Open MPI's mpirun passes USR2 on and waits, while its TERM leaves the
+# ranks two seconds; Hydra (MPICH, Intel MPI) passes TERM on and waits, while its USR2 ends the job. A study, which
+# launches its runs itself, knows TERM only.
+case ${command[0]} in
+*srun) stop_signal=USR2 ;;
+*)
+    if [[ $("${command[0]}" --version 2>/dev/null || true) == *"Open MPI"* ]]; then
+        stop_signal=USR2
+    else
+        stop_signal=TERM
+    fi
+    ;;
+esac
+
 # Sends the running program a signal: srun's tasks get it from the controller, mpirun passes it on.
 signal_program() { # SIGNAL, PID of the launcher
     case ${command[0]} in
     *srun) scancel --signal="$1" "$SLURM_JOB_ID" ;;
     *) kill "-$1" "$2" ;;
     esac
+}
+
+# Whether somebody has asked for the end.
+stop_asked=
+
+# Whether a run that began at the file STAMP and ended with STATUS left work and a checkpoint to go on from: it says so
+# (75), or it was asked to stop or killed, with another status of its launcher, and its checkpoint is younger than STAMP.
+is_stopped() { # DIRECTORY, STAMP, STATUS
+    if [ "$3" -eq 75 ]; then
+        return 0
+    fi
+    if [ -z "$stop_asked" ] && [ "$3" -le 128 ]; then
+        return 1
+    fi
+    # It came to its end all the same, or failed by itself.
+    if [ "$1/report.json" -nt "$2" ] && ! grep -q '"status": *"stopped"' "$1/report.json"; then
+        return 1
+    fi
+    [ "$1/checkpoint.h5" -nt "$2" ]
 }
 
 # Runs the program with the given words and waits for it, also across signals; its status is the result.
@@ -55,7 +88,7 @@ run_program() {
     process=$!
     # The time is nearly over, or the job is preempted: a checkpoint and the end, status 75.
     # shellcheck disable=SC2064  # the process of now
-    trap "signal_program USR2 $process" USR2 TERM
+    trap "stop_asked=yes; signal_program $stop_signal $process" USR2 TERM
     # shellcheck disable=SC2064
     trap "signal_program USR1 $process" USR1
     while :; do

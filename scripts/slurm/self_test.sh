@@ -28,6 +28,26 @@ cat >"$scratch/bin/scontrol" <<'STUB'
 #!/usr/bin/env bash
 echo "$@" >>"$STATE/requeued"
 STUB
+# Hydra passes TERM on and ends the job at USR2; a launcher that ends with a status of its own, whatever the ranks say.
+cat >"$scratch/bin/hydra" <<'STUB'
+#!/usr/bin/env bash
+if [ "$1" = --version ]; then echo "HYDRA build details:"; exit 0; fi
+mpirun "$@" &
+trap 'kill -USR2 $!' TERM
+trap 'kill -KILL $!' USR2
+wait $!; status=$?
+while kill -0 $! 2>/dev/null; do wait $!; status=$?; done
+exit $status
+STUB
+cat >"$scratch/bin/abrupt" <<'STUB'
+#!/usr/bin/env bash
+hydra "$@" &
+trap 'kill -TERM $!' TERM
+wait $!; status=$?
+while kill -0 $! 2>/dev/null; do wait $!; status=$?; done
+[ $status -eq 75 ] && exit 1
+exit $status
+STUB
 chmod +x "$scratch"/bin/*
 export PATH="$scratch/bin:$PATH" STATE="$scratch" SLURM_SUBMIT_DIR="$root" SLURM_NTASKS=2 SLURM_JOB_ID=42
 unset SLURM_JOB_NUM_NODES
@@ -46,24 +66,29 @@ column() { cut -d, -f1,5-9 "$1/history.csv"; }
 bash scripts/slurm/run.sbatch $case_file "${long[@]}" --output "$scratch/whole" --quiet >"$scratch/log" 2>&1 ||
     fail "run.sbatch ended with status $?"
 
-for LAUNCHER in "" "mpirun -n 2 --quiet"; do
+for LAUNCHER in "" "mpirun -n 2 --quiet" "hydra -n 2 --quiet" "abrupt -n 2 --quiet"; do
     export LAUNCHER
     out="$scratch/requeued_by_${LAUNCHER:0:6}"
-    rm -f "$scratch/requeued"
+    : >"$scratch/requeued"
     rounds=0
     while :; do
         rounds=$((rounds + 1))
+        touch "$scratch/stamp"
         bash scripts/slurm/requeue.sbatch $case_file "$out" "${long[@]}" --quiet >"$scratch/log" 2>&1 &
         job=$!
         # The first two jobs run out of time on their way.
         if [ "$rounds" -le 2 ]; then
-            sleep 1
+            for _ in {1..600}; do
+                [ "$out/history.csv" -nt "$scratch/stamp" ] && break
+                sleep 0.1
+            done
+            sleep 0.5
             # The second may be done by then.
             kill -USR2 "$job" 2>/dev/null || true
         fi
         status=0
         wait "$job" || status=$?
-        [ "$status" -eq 75 ] || break
+        [ "$(wc -l <"$scratch/requeued")" -eq "$rounds" ] || break
         [ "$rounds" -lt 20 ] || fail "the job never ended"
     done
     [ "$status" -eq 0 ] || fail "requeue.sbatch ended with status $status after $rounds jobs"

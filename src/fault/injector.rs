@@ -14,6 +14,10 @@ use crate::error::{Error, Result};
 const VARIABLE: &str = "COLUMN_HPC_FAULT";
 /// The file in the working directory that ends a wait, and the longest wait.
 const GO: (&str, Duration) = ("go", Duration::from_secs(60));
+/// How long a slow rank takes, and a very slow one.
+const SLOW: Duration = Duration::from_millis(400);
+/// See [`SLOW`].
+const VERY_SLOW: Duration = Duration::from_secs(4);
 /// Longest file that a rank without space may write (bytes).
 const FULL: u64 = 64;
 
@@ -92,6 +96,10 @@ fn fail<'v>(fault: &Fault, values: impl IntoIterator<Item = &'v mut f64>) -> Res
             }
             None => Err(Error::System(format!("there is no number to spoil in phase {phase}"))),
         },
+        "slow" | "late" => {
+            std::thread::sleep(if fault.kind == "slow" { SLOW } else { VERY_SLOW });
+            Ok(())
+        }
         "wait" => {
             let end = Instant::now() + GO.1;
             while Instant::now() < end && !Path::new(GO.0).exists() {

@@ -109,7 +109,7 @@ impl Opened {
             let text = format!("cannot read the checkpoint {}: {cause}", path.display());
             return Err(Error::Input(text));
         }
-        let file = File::open(path).map_err(|_| wrong(&"it is not a whole HDF5 file"))?;
+        let file = File::open(path).map_err(|cause| unopened(path, &cause.to_string()))?;
         members(&file).map_err(|cause| wrong(&cause))?;
         let checksums = numbers::<u64>(&file, "checksums", &[3]).map_err(|cause| wrong(&cause))?;
         let meta = dataset(&file, "meta").map_err(|cause| wrong(&cause))?;
@@ -157,6 +157,7 @@ impl Opened {
             let own = slab(secondary);
             let list = dataset(&self.file, "interface_names")?;
             expect::<u64>(&list, "interface_names", &[secondary as usize])?;
+            readable(own.len() * size_of::<u64>())?;
             let names = list.read_slice_1d::<u64, _>(own.clone()).map_err(|e| e.to_string())?;
             let names: Vec<u64> = names.iter().copied().collect();
             if !names.is_sorted() || names.iter().any(|name| *name >= nodes) {
@@ -176,6 +177,20 @@ impl Opened {
         }
         Ok([nodal, comm.to_slabs(nodes, &interface)])
     }
+}
+
+/// Why HDF5 does not open a file that can be read.
+fn unopened(path: &Path, cause: &str) -> Error {
+    if !cause.contains("lock file") {
+        return not_a_checkpoint(path, &format!("it is not a whole HDF5 file ({cause})"));
+    }
+    // Nothing is wrong with the file, so that the one before it is none the better.
+    Error::System(format!(
+        "cannot go on from {}: HDF5 cannot lock it ({cause}): another process holds it, or its file \
+         system has no locks; in that case set HDF5_USE_FILE_LOCKING=FALSE in the environment of all \
+         ranks",
+        path.display()
+    ))
 }
 
 fn not_a_checkpoint(path: &Path, cause: &dyn std::fmt::Display) -> Error {
@@ -237,7 +252,20 @@ fn numbers<T: H5Type>(
 ) -> std::result::Result<Vec<T>, String> {
     let dataset = dataset(file, name)?;
     expect::<T>(&dataset, name, shape)?;
+    readable(shape.iter().product::<usize>() * size_of::<T>())?;
     dataset.read_raw::<T>().map_err(|cause| cause.to_string())
+}
+
+/// Refuses what one rank cannot read at once by itself: MPI-IO and some kernels count the bytes of an
+/// access in 32 bits. What all ranks write together has no such bound.
+fn readable(bytes: usize) -> std::result::Result<(), String> {
+    if i32::try_from(bytes).is_ok() {
+        return Ok(());
+    }
+    Err(format!(
+        "one rank would read {bytes} bytes of it, at most {} go: take more ranks",
+        i32::MAX
+    ))
 }
 
 /// Rows of a table of numbers.
@@ -249,6 +277,7 @@ fn block(
 ) -> std::result::Result<Vec<f64>, String> {
     let dataset = dataset(file, name)?;
     expect::<f64>(&dataset, name, &[rows as usize, width as usize])?;
+    readable(own.len() * width as usize * size_of::<f64>())?;
     let values = dataset.read_slice_2d::<f64, _>((own, ..)).map_err(|cause| cause.to_string())?;
     Ok(values.iter().copied().collect())
 }
@@ -283,4 +312,16 @@ pub fn candidates(directory: &Path) -> Result<Vec<PathBuf>> {
         )));
     }
     Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::readable;
+
+    #[test]
+    fn one_rank_reads_less_than_two_gibibytes_at_once() {
+        assert_eq!(readable((1 << 31) - 1), Ok(()));
+        let told = readable(1 << 31).unwrap_err();
+        assert!(told.contains("2147483648 bytes") && told.contains("more ranks"), "{told}");
+    }
 }

@@ -1,5 +1,7 @@
 //! `history.csv`: one row of quantities per instant.
 
+use std::fs::File;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -25,23 +27,27 @@ impl Table {
     /// The table as text: 17 significant digits, which parse back to the same number; numbers of
     /// iterations as integers.
     pub fn to_csv(&self) -> Result<String> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        let failed = |cause: csv::Error| Error::Bug(format!("history table: {cause}"));
-        writer.write_record(&self.columns).map_err(failed)?;
-        let counts: Vec<bool> = self.columns.iter().map(|c| c.ends_with("_iterations")).collect();
-        for row in &self.rows {
-            let fields = row.iter().zip(&counts).map(|(value, count)| match value {
-                None => String::new(),
-                Some(v) if *count => format!("{v:.0}"),
-                Some(v) => format!("{v:.16e}"),
-            });
-            writer.write_record(fields).map_err(failed)?;
-        }
-        let bytes = writer.into_inner().map_err(|e| Error::Bug(format!("history table: {e}")))?;
-        String::from_utf8(bytes).map_err(|e| Error::Bug(format!("history table: {e}")))
+        text(|writer| {
+            writer.write_record(&self.columns)?;
+            self.rows.iter().try_for_each(|row| self.write_row(writer, row))
+        })
     }
 
-    /// Reads a table back from its file.
+    /// One row as text, with the end of its line.
+    fn row_to_csv(&self, row: &[Option<f64>]) -> Result<String> {
+        text(|writer| self.write_row(writer, row))
+    }
+
+    fn write_row(&self, writer: &mut csv::Writer<Vec<u8>>, row: &[Option<f64>]) -> csv::Result<()> {
+        writer.write_record(row.iter().zip(&self.columns).map(|(value, column)| match value {
+            None => String::new(),
+            Some(v) if column.ends_with("_iterations") => format!("{v:.0}"),
+            Some(v) => format!("{v:.16e}"),
+        }))
+    }
+
+    /// Reads a table back from its file. A last line without its end is left out: its run was killed
+    /// while it wrote it.
     ///
     /// # Errors
     /// [`Error::System`] if the file cannot be read or a field is not a number.
@@ -50,7 +56,9 @@ impl Table {
     /// Local.
     pub fn read(path: &Path) -> Result<Self> {
         let failed = |cause: &dyn std::fmt::Display| Error::file("cannot read", path, cause);
-        let mut reader = csv::Reader::from_path(path).map_err(|e| failed(&e))?;
+        let text = std::fs::read_to_string(path).map_err(|e| failed(&e))?;
+        let whole = text.rfind('\n').map_or(0, |end| end + 1);
+        let mut reader = csv::Reader::from_reader(&text.as_bytes()[..whole]);
         let columns: Vec<String> =
             reader.headers().map_err(|e| failed(&e))?.iter().map(String::from).collect();
         let mut rows = Vec::new();
@@ -68,11 +76,22 @@ impl Table {
     }
 }
 
+/// What `write` writes as CSV.
+fn text(write: impl FnOnce(&mut csv::Writer<Vec<u8>>) -> csv::Result<()>) -> Result<String> {
+    let failed = |cause: &dyn std::fmt::Display| Error::Bug(format!("history table: {cause}"));
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    write(&mut writer).map_err(|e| failed(&e))?;
+    let bytes = writer.into_inner().map_err(|e| failed(&e))?;
+    String::from_utf8(bytes).map_err(|e| failed(&e))
+}
+
 /// The history table and its file, which always holds all rows so far.
 #[derive(Debug)]
 pub struct History {
     path: PathBuf,
     table: Table,
+    /// Bytes of the file.
+    length: u64,
 }
 
 impl History {
@@ -95,16 +114,16 @@ impl History {
     /// # Parallel
     /// As [`History::create`].
     pub fn resume(path: PathBuf, table: Table) -> Result<Self> {
-        let history = Self { path, table };
+        let mut history = Self { path, table, length: 0 };
         history.write()?;
         Ok(history)
     }
 
-    /// Adds a row, shape (number of columns), and writes the file anew.
+    /// Adds a row, shape (number of columns), at the end of the file.
     ///
     /// # Errors
     /// [`Error::Bug`] if the row does not have one entry per column; [`Error::System`] if the file
-    /// cannot be written.
+    /// cannot be written, which then has the rows before.
     ///
     /// # Parallel
     /// Local; rank 0 keeps the history.
@@ -116,7 +135,13 @@ impl History {
                 self.table.columns.len()
             )));
         }
+        let line = self.table.row_to_csv(&row)?;
         self.table.rows.push(row);
+        let added = self.append(line.as_bytes());
+        if added.map_err(|cause| Error::file("cannot write", &self.path, cause))? {
+            self.length += line.len() as u64;
+            return Ok(());
+        }
         self.write()
     }
 
@@ -125,19 +150,55 @@ impl History {
         &self.table
     }
 
-    fn write(&self) -> Result<()> {
-        atomic::write_text(&self.path, &self.table.to_csv()?)
+    /// Brings the rows so far to the disk.
+    ///
+    /// # Errors
+    /// [`Error::System`] if that fails.
+    ///
+    /// # Parallel
+    /// As [`History::push`].
+    pub fn flush(&self) -> Result<()> {
+        let flushed = File::open(&self.path).and_then(|file| file.sync_all());
+        flushed.map_err(|cause| Error::file("cannot write", &self.path, cause))
+    }
+
+    /// Adds a line to the file if it is the one that was written; false if somebody has taken it away or
+    /// changed it. In one write, so that others never read a part of it.
+    fn append(&self, line: &[u8]) -> io::Result<bool> {
+        let file = match File::options().append(true).open(&self.path) {
+            Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(false),
+            other => other?,
+        };
+        if file.metadata()?.len() != self.length {
+            return Ok(false);
+        }
+        // A disk without room takes a part.
+        let cut = |_: &io::Error| drop(file.set_len(self.length));
+        (&file).write_all(line).inspect_err(cut)?;
+        Ok(true)
+    }
+
+    /// Writes the file anew.
+    fn write(&mut self) -> Result<()> {
+        let text = self.table.to_csv()?;
+        self.length = text.len() as u64;
+        atomic::write_text(&self.path, &text)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::os::unix::fs::MetadataExt;
+
+    fn scratch(name: &str) -> PathBuf {
+        let process = std::process::id();
+        std::env::temp_dir().join(format!("column-hpc-history-{name}-{process}.csv"))
+    }
 
     #[test]
     fn rows_parse_back_to_the_same_numbers() {
-        let path =
-            std::env::temp_dir().join(format!("column-hpc-history-{}.csv", std::process::id()));
+        let path = scratch("rows");
         let columns =
             ["time", "newton_iterations", "joint.normal_traction.mean"].map(String::from).to_vec();
         let mut history = History::create(path.clone(), columns).unwrap();
@@ -155,6 +216,32 @@ mod tests {
         let text = std::fs::read_to_string(&path).unwrap();
         let second = text.lines().nth(2).unwrap();
         assert_eq!(second, "3.3333333333333331e-1,12,");
+        assert_eq!(text, history.table().to_csv().unwrap());
+        std::fs::remove_file(path).unwrap();
+    }
+
+    #[test]
+    fn a_row_is_added_to_the_file_and_the_rest_stays_as_it_is() {
+        let path = scratch("added");
+        let mut history = History::create(path.clone(), vec!["time".into()]).unwrap();
+        history.push(vec![Some(1.0)]).unwrap();
+        let before = std::fs::metadata(&path).unwrap().ino();
+        history.push(vec![Some(2.0)]).unwrap();
+        assert_eq!(std::fs::metadata(&path).unwrap().ino(), before);
+        let whole = history.table().to_csv().unwrap();
+        // A kill in the middle of a row: it is no row; a restart writes what its checkpoint has.
+        std::fs::write(&path, &whole[..whole.len() - 3]).unwrap();
+        assert_eq!(Table::read(&path).unwrap().rows, [[Some(1.0)]]);
+        // What was changed or taken away meanwhile is written anew.
+        history.push(vec![Some(3.0)]).unwrap();
+        assert_eq!(Table::read(&path).unwrap().rows.len(), 3);
+        std::fs::remove_file(&path).unwrap();
+        history.push(vec![Some(4.0)]).unwrap();
+        assert_eq!(&Table::read(&path).unwrap(), history.table());
+        let first = Table { rows: history.table().rows[..1].to_vec(), ..history.table().clone() };
+        let mut resumed = History::resume(path.clone(), first).unwrap();
+        resumed.push(vec![Some(5.0)]).unwrap();
+        assert_eq!(Table::read(&path).unwrap().rows, [[Some(1.0)], [Some(5.0)]]);
         std::fs::remove_file(path).unwrap();
     }
 
@@ -169,8 +256,7 @@ mod tests {
 
     #[test]
     fn a_row_of_another_length_is_a_bug() {
-        let path =
-            std::env::temp_dir().join(format!("column-hpc-short-{}.csv", std::process::id()));
+        let path = scratch("short");
         let mut history = History::create(path.clone(), vec!["time".into()]).unwrap();
         assert_eq!(history.push(vec![]).unwrap_err().exit_status(), 101);
         std::fs::remove_file(path).unwrap();

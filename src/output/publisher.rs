@@ -10,12 +10,23 @@ use std::thread::JoinHandle;
 use super::atomic;
 use crate::error::{Error, Result};
 
+/// A complete file under its temporary name; it is gone with this value unless it has got its name:
+/// also where it never comes out of the queue.
+struct Temporary(PathBuf);
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        // There is none any more where it has got its name.
+        atomic::discard(&self.0);
+    }
+}
+
 /// What remains to be done for a file.
 enum Job {
     /// A complete temporary file gets its name.
-    Publish { temporary: PathBuf, path: PathBuf },
+    Publish { temporary: Temporary, path: PathBuf },
     /// The same, and what bore the name gets another.
-    Replace { temporary: PathBuf, path: PathBuf, previous: PathBuf },
+    Replace { temporary: Temporary, path: PathBuf, previous: PathBuf },
     /// A text is written.
     Text { path: PathBuf, text: String },
 }
@@ -36,7 +47,7 @@ impl Publisher {
     /// # Parallel
     /// Local; one rank does it, after every rank has closed the file.
     pub fn publish(&mut self, temporary: &Path, path: &Path) -> Result<()> {
-        self.push(Job::Publish { temporary: temporary.into(), path: path.into() })
+        self.push(Job::Publish { temporary: Temporary(temporary.into()), path: path.into() })
     }
 
     /// As [`Publisher::publish`], and what bears the name until then becomes `previous`.
@@ -47,7 +58,7 @@ impl Publisher {
     /// # Parallel
     /// As [`Publisher::publish`].
     pub fn replace(&mut self, temporary: &Path, path: &Path, previous: &Path) -> Result<()> {
-        let (temporary, path) = (temporary.into(), path.into());
+        let (temporary, path) = (Temporary(temporary.into()), path.into());
         self.push(Job::Replace { temporary, path, previous: previous.into() })
     }
 
@@ -80,22 +91,18 @@ impl Publisher {
             let (sender, jobs) = channel::<Job>();
             let work = move || {
                 // An error ends the thread, and with it the queue: the next push tells.
-                jobs.iter().try_for_each(|job| match job {
-                    Job::Publish { temporary, path } => atomic::publish(&temporary, &path)
-                        .inspect_err(|_| atomic::discard(&temporary)),
+                jobs.iter().try_for_each(|job| match &job {
+                    Job::Publish { temporary, path } => atomic::publish(&temporary.0, path),
                     Job::Replace { temporary, path, previous } => {
-                        atomic::replace(&temporary, &path, &previous)
-                            .inspect_err(|_| atomic::discard(&temporary))
+                        atomic::replace(&temporary.0, path, previous)
                     }
-                    Job::Text { path, text } => atomic::write_text(&path, &text),
+                    Job::Text { path, text } => atomic::write_text(path, text),
                 })
             };
             (sender, std::thread::spawn(work))
         });
-        let refused = sender.send(job).err();
-        let Some(refused) = refused else { return Ok(()) };
-        if let Job::Publish { temporary, .. } | Job::Replace { temporary, .. } = &refused.0 {
-            atomic::discard(temporary);
+        if sender.send(job).is_ok() {
+            return Ok(());
         }
         self.finish()
     }
@@ -111,7 +118,9 @@ impl Drop for Publisher {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::fs;
+    use std::fs::{self, File};
+
+    use rustix::fs::{CWD, FileType, Mode, mknodat};
 
     #[test]
     fn files_get_their_names_in_order_and_nothing_follows_an_error() {
@@ -135,6 +144,19 @@ mod tests {
         let told = told.expect("the error is told").to_string();
         assert!(told.contains("cannot write") && told.contains("/b"), "{told}");
         assert!(!dir.join("c").exists() && !dir.join("c.tmp.1").exists());
+
+        // What waits behind a file that fails is not left either: here the file is a pipe, which
+        // cannot be brought to a disk, and holds the thread until there is a writer.
+        let pipe = dir.join("p.tmp.1");
+        mknodat(CWD, &pipe, FileType::Fifo, Mode::RWXU, 0).unwrap();
+        publisher.publish(&pipe, &dir.join("p")).unwrap();
+        fs::write(dir.join("d.tmp.1"), "d").unwrap();
+        publisher.publish(&dir.join("d.tmp.1"), &dir.join("d")).unwrap();
+        drop(File::options().write(true).open(&pipe).unwrap());
+        let told = publisher.finish().unwrap_err().to_string();
+        assert!(told.contains("cannot write") && told.contains("/p"), "{told}");
+        let left = fs::read_dir(&dir).unwrap().map(|e| e.unwrap().file_name());
+        assert_eq!(left.filter(|n| n != "a" && n != "index").count(), 0);
         fs::remove_dir_all(dir).unwrap();
     }
 }

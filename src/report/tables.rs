@@ -33,11 +33,12 @@ pub struct InterfaceState {
     pub damage_max: Option<f64>,
 }
 
-/// The instants of a history.
-pub fn instants(history: &Table, interfaces: &[String]) -> Vec<Instant> {
+/// The instants of a history from row `first` on.
+pub fn instants(history: &Table, interfaces: &[String], first: usize) -> Vec<Instant> {
     history
         .rows
         .iter()
+        .skip(first)
         .map(|row| {
             let value = |name: &str| row[history.column(name)?];
             let state = |name: &String| InterfaceState {
@@ -156,7 +157,7 @@ mod tests {
             ],
         };
         let interfaces = ["joint".to_string()];
-        let found = instants(&history, &interfaces);
+        let found = instants(&history, &interfaces, 0);
         assert_eq!(found[0].interfaces["joint"].normal_traction_mean, Some(1_017_312.07));
         assert_eq!(found[1].interfaces["joint"].damage_max, None);
         let header = instant_header(&interfaces);

@@ -26,6 +26,9 @@ const FORMAT: u32 = 1;
 /// every default written out is shorter.
 const LONGEST_CASE: usize = 1 << 23;
 
+/// Checkpoints that nobody has asked for come at most once in so many times what one takes.
+const SELDOM: u32 = 20;
+
 /// The word for the newest checkpoint of the output directory.
 const LATEST: &str = "latest";
 
@@ -73,12 +76,15 @@ pub struct Keeper {
     instants: usize,
     /// Time of the state that was written last (s).
     written: Option<f64>,
+    /// How long that took.
+    cost: Duration,
 }
 
 impl Keeper {
     /// The first one is due `every` from now on.
     pub fn new(every: Every) -> Self {
-        Self { every, last: Instant::now(), instants: 0, written: None }
+        let (last, cost) = (Instant::now(), Duration::ZERO);
+        Self { every, last, instants: 0, written: None, cost }
     }
 
     /// Takes note of an instant; whether a checkpoint is due. Collective.
@@ -94,6 +100,12 @@ impl Keeper {
             }
     }
 
+    /// Whether a checkpoint may be too late when it is asked for, and takes little of the time since
+    /// the last one. Collective.
+    pub fn is_worth_it(&self, comm: &Comm) -> bool {
+        comm.any(signals::is_hurried() && self.last.elapsed() >= SELDOM * self.cost)
+    }
+
     /// Writes the last accepted state. Collective.
     ///
     /// # Errors
@@ -106,6 +118,7 @@ impl Keeper {
         (case, model): (&Case, &Model<'_>),
         progress: &Progress<'_>,
     ) -> Result<()> {
+        let started = Instant::now();
         let all = &model.stepper.problem.all;
         let mut state = model.stepper.state()?;
         fault::strike_values(comm, "state", &mut state.nodal.values)?;
@@ -129,7 +142,7 @@ impl Keeper {
         let meta = String::from_utf8_lossy(&text);
         let fields = Checkpoint { meta: &meta, nodal: &state.nodal, interface: &state.interface };
         write(comm, publisher, directory, all.nodes.total, &fields)?;
-        (self.last, self.instants) = (Instant::now(), 0);
+        (self.last, self.instants, self.cost) = (Instant::now(), 0, started.elapsed());
         self.written = Some(run.step.time);
         Ok(())
     }
@@ -212,7 +225,9 @@ impl Restart {
                         return Err(Error::Input(format!("cannot go on from {file}: {words}")));
                     }
                 },
-                Err(error) if found.is_empty() => return Err(error),
+                Err(error) if found.is_empty() || matches!(error, Error::System(_)) => {
+                    return Err(error);
+                }
                 Err(error) => tracing::warn!("warning: {error}; the checkpoint before it is taken"),
             }
         }

@@ -22,6 +22,7 @@ use crate::error::{Error, Result};
 use crate::fault;
 use crate::mesh::{Column, LocalMesh};
 use crate::output::directory::OutputDirectory;
+use crate::output::lock::Lock;
 use crate::partition::{self, Method};
 use crate::reduce::{Reduction, Situation};
 use crate::runtime::Runtime;
@@ -128,6 +129,7 @@ pub fn run_case(runtime: &Runtime, timers: &Timers, options: &RunOptions) -> Res
     let directory = options.output.as_deref().unwrap_or(&case.output.directory);
     let resolved = case.resolved();
     let resolved = resolved.to_string();
+    let _lock = Lock::take(comm, directory)?;
     let restart = match &options.restart {
         Some(word) => Some(Restart::open(comm, word, directory, &case)?),
         None => {

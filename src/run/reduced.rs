@@ -120,7 +120,11 @@ fn instants(
     let probes = probes::locate(narrow, &model.mesh);
     let (mut states, mut rows) = (Vec::new(), Vec::new());
     for time in &narrow.time {
-        let accepted = model.stepper.advance(*time)?;
+        let accepted = loop {
+            if let Some(accepted) = model.stepper.advance(*time)? {
+                break accepted;
+            }
+        };
         rows.push((history::row(narrow, &model, &probes, *time, &accepted, comm), accepted));
         states.push(Snapshot::of(&model));
     }

@@ -105,7 +105,8 @@ impl<'a> Session<'a> {
         if stopped && !self.keeper.is_current(self.last_time(model)) {
             self.write_checkpoint(model)?;
         }
-        let published = self.comm.agree(self.publisher.finish());
+        let flushed = self.history.as_ref().map_or(Ok(()), History::flush);
+        let published = self.comm.agree(self.publisher.finish().and(flushed));
         // What ended the run is told, not what came of it; a stop promises a checkpoint.
         if stopped { published.and(solved) } else { solved.and(published) }
     }
@@ -142,24 +143,45 @@ impl<'a> Session<'a> {
             }
             self.accepted = number + 1;
             if let Some(history) = &self.history {
-                let instants = tables::instants(history.table(), &names);
+                let instants = tables::instants(history.table(), &names, number);
                 let line = instants.last().map(|i| tables::instant_line(i, &names));
                 progress.pass(&line.unwrap_or_default());
             }
             if self.keeper.is_due(self.comm) {
                 self.write_checkpoint(model)?;
+            } else {
+                self.write_ahead(model)?;
             }
         }
         Ok(())
     }
 
     /// Reaches the next instant. Collective.
-    fn advance(&self, model: &mut Model<'_>, number: usize, time: f64) -> Result<Accepted> {
-        let _phase = self.timers.enter(Phase::Solve);
-        let Some(reduced) = &self.solution.reduced else { return model.stepper.advance(time) };
-        match signals::stop(self.comm, Duration::ZERO) {
-            Some(reason) => Err(Error::Stopped(format!("stopped by {reason}"))),
-            None => Ok(reduced.instant(number).0),
+    fn advance(&mut self, model: &mut Model<'_>, number: usize, time: f64) -> Result<Accepted> {
+        let timers = self.timers;
+        let _phase = timers.enter(Phase::Solve);
+        if let Some(reduced) = &self.solution.reduced {
+            return match signals::stop(self.comm, Duration::ZERO) {
+                Some(reason) => Err(signals::stopped(reason)),
+                None => Ok(reduced.instant(number).0),
+            };
+        }
+        loop {
+            if let Some(accepted) = model.stepper.advance(time)? {
+                return Ok(accepted);
+            }
+            let _phase = timers.enter(Phase::Output);
+            self.write_ahead(model)?;
+        }
+    }
+
+    /// Writes a checkpoint where the next step may be too slow for one when it is asked for. Collective.
+    fn write_ahead(&mut self, model: &mut Model<'_>) -> Result<()> {
+        let slow = model.stepper.problem.pulse.is_slow();
+        if slow && self.keeper.is_worth_it(self.comm) {
+            self.write_checkpoint(model)
+        } else {
+            Ok(())
         }
     }
 
@@ -254,7 +276,7 @@ impl<'a> Session<'a> {
             timings,
             peak_memory_bytes: memory,
             partition,
-            instants: tables::instants(history.table(), &names),
+            instants: tables::instants(history.table(), &names, 0),
             expectations: outcomes,
             versions: versions(),
             case: self.case.resolved(),

@@ -191,7 +191,12 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         self.problem.trial(&correction[..self.coupling.blocks.split], norm)
     }
 
+    fn heed(&mut self) -> Result<()> {
+        self.problem.pulse.iteration(self.problem.comm)
+    }
+
     fn verdict(&mut self, iteration: usize, _x: &[f64], f: &[f64], norm: f64) -> Result<Verdict> {
+        self.problem.pulse.correction(self.problem.comm, iteration)?;
         let split = self.coupling.blocks.split;
         self.problem.judge(iteration, &f[..split], norm, STRICTER * self.coupling.missing)
     }

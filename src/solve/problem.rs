@@ -25,6 +25,7 @@ use crate::comm::Comm;
 use crate::error::Result;
 use crate::multigrid::Hierarchy;
 use crate::petsc::Verdict;
+use crate::signals::Pulse;
 use crate::timers::{Phase, Timers};
 
 /// How the tangent of the condensed form is held.
@@ -92,6 +93,8 @@ pub struct Problem<'a> {
     pub(super) onset: Onset,
     /// 2-norm of the out-of-balance forces at the state that was judged last (N).
     pub residual_norm: f64,
+    /// Asks in the middle of a step whether to stop.
+    pub pulse: Pulse,
 }
 
 impl<'a> Problem<'a> {
@@ -142,6 +145,7 @@ impl<'a> Problem<'a> {
             judged_norm: 0.0,
             onset: Onset::default(),
             residual_norm: 0.0,
+            pulse: Pulse::default(),
             all,
         }
     }

@@ -147,10 +147,15 @@ impl NonlinearSystem for SaddleSystem<'_, '_> {
         Ok(())
     }
 
+    fn heed(&mut self) -> Result<()> {
+        self.problem.pulse.iteration(self.problem.comm)
+    }
+
     /// Equilibrium is judged with the law's tractions, as in the condensed form: with the
     /// multipliers it holds after every correction.
     fn verdict(&mut self, iteration: usize, _x: &[f64], _f: &[f64], norm: f64) -> Result<Verdict> {
         let problem = &mut *self.problem;
+        problem.pulse.correction(problem.comm, iteration)?;
         let worst = problem.worst_balance();
         let (comm, all, state) = (problem.comm, &problem.all, &problem.interfaces);
         let verdict = problem.convergence.judge(comm, all, state, iteration, norm, worst, 0.0)?;

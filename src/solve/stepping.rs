@@ -75,6 +75,8 @@ pub struct Stepper<'a> {
     pub(super) tries_smaller_steps: bool,
     /// Whether the running step was cut for an unstable state.
     is_cutting: bool,
+    /// Length and smallest length of the steps to go on with after a pause before the instant.
+    paused: Option<(f64, f64)>,
     /// Whether conjugate gradients have met an indefinite tangent.
     is_indefinite: bool,
     pub(super) work: Work,
@@ -124,6 +126,7 @@ impl<'a> Stepper<'a> {
             initial_pore_force: Vec::new(),
             tries_smaller_steps,
             is_cutting: false,
+            paused: None,
             is_indefinite: false,
             work,
             time,
@@ -139,13 +142,14 @@ impl<'a> Stepper<'a> {
     }
 
     /// Solves for the state at `instant`. A step that fails is halved; the instant itself, and the
-    /// times before at which a table bends, are always reached exactly. Collective.
+    /// times before at which a table bends, are always reached exactly. None after a step that did not
+    /// reach it and took long, where a checkpoint may be due: to be called again. Collective.
     ///
     /// # Errors
     /// `Numerics` when the smallest step fails, with the reason and the place, and when a rupture
     /// leaves a body free; `Input` when a
     /// formula gives no finite number.
-    pub fn advance(&mut self, instant: f64) -> Result<Accepted> {
+    pub fn advance(&mut self, instant: f64) -> Result<Option<Accepted>> {
         let mut total = std::mem::take(&mut self.since_instant);
         if self.starts_in_equilibrium() && !self.has_begun {
             let begun = self.begin_in_equilibrium(&mut total);
@@ -167,16 +171,21 @@ impl<'a> Stepper<'a> {
                 self.since_instant = total;
                 advanced?;
             }
+            if self.paused.is_some() {
+                self.since_instant = total;
+                return Ok(None);
+            }
         }
         total.energy = self.energy;
         total.residual_norm = self.problem.residual_norm;
-        Ok(total)
+        Ok(Some(total))
     }
 
     /// As [`Stepper::advance`], to the next time at which a table bends.
     fn advance_without_bends(&mut self, instant: f64, total: &mut Accepted) -> Result<()> {
         let smallest = (instant - self.time) / f64::from(1 << MOST_HALVINGS);
-        let mut step = self.step.min(instant - self.time);
+        let step = self.step.min(instant - self.time);
+        let (mut step, smallest) = self.paused.take().unwrap_or((step, smallest));
         while self.time < instant {
             self.stop_if_asked(self.longest)?;
             let (started, counts) = (Instant::now(), *total);
@@ -189,7 +198,9 @@ impl<'a> Stepper<'a> {
             }
             let mut before = self.x.duplicate()?;
             before.copy_from(&self.x)?;
-            let (report, unstable) = self.attempt(target, &before, total)?;
+            // The step is made again by the run that goes on.
+            let attempted = self.attempt(target, &before, total).inspect_err(|_| *total = counts);
+            let (report, unstable) = attempted?;
             let converged = report.reason.is_converged();
             if let Some(Coupling { flow, .. }) = &mut self.coupling
                 && converged
@@ -200,9 +211,10 @@ impl<'a> Stepper<'a> {
                 continue;
             }
             let consequence = match &unstable {
-                Some(found) => self.consequence(found, (step, smallest), total)?,
-                None => Consequence::Taken,
+                Some(found) => self.consequence(found, (step, smallest), total),
+                None => Ok(Consequence::Taken),
             };
+            let consequence = consequence.inspect_err(|_| *total = counts)?;
             let is_taken = converged && !matches!(consequence, Consequence::Cut);
             let mut doubt = if is_taken { self.doubt(target) } else { None };
             if is_taken && !doubt.as_ref().is_some_and(|doubt| doubt.is_worth(step, smallest)) {
@@ -220,6 +232,10 @@ impl<'a> Stepper<'a> {
                 total.steps += 1;
                 self.longest = self.longest.max(started.elapsed());
                 step *= 2.0;
+                if self.time < instant && self.problem.pulse.is_slow() {
+                    self.paused = Some((step, smallest));
+                    return Ok(());
+                }
                 continue;
             }
             let why = match (&doubt, unstable) {
@@ -229,7 +245,6 @@ impl<'a> Stepper<'a> {
             };
             self.x.copy_from(&before)?;
             if let Err(stopped) = self.stop_if_asked(Duration::ZERO) {
-                // The step is made again by the run that goes on.
                 *total = counts;
                 return Err(stopped);
             }
@@ -264,7 +279,7 @@ impl<'a> Stepper<'a> {
     /// length `ahead` would pass the wall-clock limit. Collective.
     fn stop_if_asked(&self, ahead: Duration) -> Result<()> {
         match signals::stop(self.problem.comm, ahead) {
-            Some(reason) => Err(Error::Stopped(format!("stopped by {reason}"))),
+            Some(reason) => Err(signals::stopped(reason)),
             None => Ok(()),
         }
     }
@@ -395,5 +410,6 @@ impl<'a> Stepper<'a> {
             flow.accept(self.problem.comm, &self.problem.all, &self.problem.displacement);
         }
         self.energy = self.work.accept(&self.problem);
+        self.problem.pulse.accept();
     }
 }

@@ -33,6 +33,7 @@ mod repeat;
 mod restart;
 mod scene;
 mod shipped;
+mod signals;
 mod stability;
 mod steps;
 mod suite;

@@ -88,7 +88,8 @@ fn check(runtime: &Runtime, case: &Case, method: Method) -> BTreeSet<Branch> {
     let mut seen = BTreeSet::new();
     for time in &case.time {
         let history = model.stepper.problem.interfaces.committed.clone();
-        let accepted = model.stepper.advance(*time).expect("the instant is reached");
+        let accepted =
+            model.stepper.advance(*time).expect("no fault").expect("the instant is reached");
         let reached = model.stepper.problem.interfaces.committed.clone();
         if accepted.steps == 1 {
             model.stepper.problem.interfaces.committed = history;

@@ -154,6 +154,7 @@ pub(super) unsafe extern "C" fn linear_verdict<S: NonlinearSystem>(
     context: *mut c_void,
 ) -> ffi::PetscErrorCode {
     let work = |context: &mut Context<'_, S>| {
+        context.system.heed()?;
         let rhs = context.judged.1;
         let reached = |(relative, absolute): (f64, f64)| norm <= absolute.max(relative * rhs);
         let mut tolerances = context.ksp.tolerances()?;

@@ -84,6 +84,11 @@ pub trait NonlinearSystem {
         Ok(())
     }
 
+    /// At each iteration of an iterative linear solve: an error ends it.
+    fn heed(&mut self) -> Result<()> {
+        Ok(())
+    }
+
     /// Whether the running linear solve gets any [`NonlinearSystem::trial`]: each costs as much as an iteration
     /// or more.
     fn has_trials(&self) -> bool {

@@ -138,7 +138,12 @@ impl NonlinearSystem for Problem<'_> {
         Ok(())
     }
 
+    fn heed(&mut self) -> Result<()> {
+        self.pulse.iteration(self.comm)
+    }
+
     fn verdict(&mut self, iteration: usize, _x: &[f64], f: &[f64], norm: f64) -> Result<Verdict> {
+        self.pulse.correction(self.comm, iteration)?;
         let mut control = 0.0;
         if let Some(path) = &self.path {
             if path.failure.is_some() {
