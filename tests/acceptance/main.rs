@@ -26,6 +26,7 @@ mod orders;
 mod patches;
 mod path;
 mod ranks;
+mod reactions;
 mod reference;
 mod reduction;
 mod refinement;
