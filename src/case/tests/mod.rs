@@ -3,6 +3,7 @@
 mod flow;
 mod limits;
 mod mistakes;
+mod places_and_names;
 mod shipped;
 mod stability;
 

@@ -4,6 +4,15 @@ use super::Stepper;
 use crate::error::{Error, Result};
 use crate::petsc::SolveReport;
 
+/// Interfaces by their names, as the subject of a sentence.
+fn in_words(names: &[&str]) -> String {
+    match names {
+        [name] => format!("interface {name}"),
+        [first @ .., last] => format!("interfaces {} and {last}", first.join(", ")),
+        [] => String::new(),
+    }
+}
+
 impl Stepper<'_> {
     /// What may lie behind a step that fails however small it is. Collective.
     pub(super) fn advice(&self) -> String {
@@ -22,17 +31,24 @@ impl Stepper<'_> {
         let holds: Vec<bool> = gave_way.iter().map(|gave_way| !gave_way).collect();
         let free = self.case.free_motions(&holds);
         let first = names[0];
-        let names = names.join(" and ");
+        let (is_one, names) = (names.len() == 1, in_words(&names));
         if free.is_empty() {
             return format!(
-                "\ninterface {names} gives way over its whole area in this step: if the column \
+                "\n{names} {} whole area in this step: if the column \
                  gives back more energy than the interface takes (snap-back), no step is small \
                  enough, but control: {{opening: {{of: {first}, equals: ...}}}} follows it; otherwise a \
-                 larger augmentation may help"
+                 larger augmentation may help",
+                if is_one { "gives way over its" } else { "give way over their" }
             );
         }
         format!(
-            "\ninterface {names} ruptures: all of it softens or is broken, and without it {}",
+            "\n{names} {}, and without {} {}",
+            if is_one {
+                "ruptures: all of it softens or is broken"
+            } else {
+                "rupture: all of them softens or is broken"
+            },
+            if is_one { "it" } else { "them" },
             free.join("; ")
         )
     }
@@ -63,9 +79,10 @@ impl Stepper<'_> {
         }
         let broken = self.case.interfaces.iter().zip(&holds).filter(|(_, holds)| !**holds);
         let names: Vec<&str> = broken.map(|(interface, _)| interface.name.as_str()).collect();
+        let (have, their) = if names.len() == 1 { ("has", "its") } else { ("have", "their") };
         Err(Error::Numerics(format!(
-            "at time {time} interface {} has ruptured over its whole area: {}",
-            names.join(" and "),
+            "at time {time} {} {have} ruptured over {their} whole area: {}",
+            in_words(&names),
             free.join("; ")
         )))
     }
@@ -104,5 +121,17 @@ impl Stepper<'_> {
         let interface = self.problem.comm.max_u64(interface) as usize;
         let at = self.problem.convergence.at(lowest);
         Some(format!("interface {} {at}", self.case.interfaces[interface].name))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_words;
+
+    #[test]
+    fn interfaces_are_named_one_by_one() {
+        assert_eq!(in_words(&["a"]), "interface a");
+        assert_eq!(in_words(&["a", "b"]), "interfaces a and b");
+        assert_eq!(in_words(&["a", "b", "c"]), "interfaces a, b and c");
     }
 }
