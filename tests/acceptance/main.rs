@@ -32,6 +32,7 @@ mod reduction;
 mod refinement;
 mod repeat;
 mod restart;
+mod restart_cases;
 mod scene;
 mod shipped;
 mod stability;
