@@ -98,6 +98,19 @@ impl Comm {
     /// Kind and text of the lowest rank that failed, on every rank; on more than one rank the text
     /// names that rank, unless the user's input is at fault. Texts end after 4 KiB.
     pub fn agree<T>(&self, local: Result<T>) -> Result<T> {
+        self.agree_on(local, self.size() > 1)
+    }
+
+    /// As [`Self::agree`], of work that every rank does by itself alike: none is named. Collective.
+    ///
+    /// # Errors
+    /// Kind and text of the lowest rank that failed, on every rank.
+    pub fn agree_alike<T>(&self, local: Result<T>) -> Result<T> {
+        self.agree_on(local, false)
+    }
+
+    /// Collective.
+    fn agree_on<T>(&self, local: Result<T>, names_rank: bool) -> Result<T> {
         let none = self.size();
         let mine = if local.is_err() { self.rank() } else { none };
         let mut first = none;
@@ -106,14 +119,14 @@ impl Comm {
             return local;
         }
         let message = match (&local, self.rank() == first) {
-            (Err(error), true) => self.encode(error),
+            (Err(error), true) => self.encode(error, names_rank),
             _ => Vec::new(),
         };
         Err(decode(&self.broadcast_from(first, message)))
     }
 
     /// The error as bytes: a letter for its kind, then the text.
-    fn encode(&self, error: &Error) -> Vec<u8> {
+    fn encode(&self, error: &Error, names_rank: bool) -> Vec<u8> {
         let (kind, text) = match error {
             Error::Input(text) => (b'i', text),
             Error::Numerics(text) => (b'n', text),
@@ -123,7 +136,7 @@ impl Comm {
         };
         let mut message = vec![kind];
         // An error that was agreed on before names the rank it came from.
-        if self.size() > 1 && kind != b'i' && !text.starts_with("rank ") {
+        if names_rank && kind != b'i' && !text.starts_with("rank ") {
             message.extend_from_slice(format!("rank {}: ", self.rank()).as_bytes());
         }
         message.extend_from_slice(text.as_bytes());

@@ -4,12 +4,22 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use super::file::{CaseFile, MaterialSection};
-use super::problems::Problems;
+use super::problems::{Problems, shortened};
 use super::tree::Node;
 use super::{Case, Cells, InterfaceSpec, LawSpec, Material, MeshSpec, PhysicsDecision, SolverSpec};
 use super::{Form, Linear, Stability, supports};
 use crate::error::{Result, number_text};
 use crate::petsc::refused_option;
+
+/// Name of the field files of the bodies.
+pub const BULK: &str = "bulk";
+
+/// Lengths (m) whose volumes and stiffnesses are numbers that a computer has.
+const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
+
+/// Longest name of an interface, a material or a probe: file systems end names at 255 bytes, of
+/// which field files need some for number, kind and the mark of a temporary file.
+const LONGEST_NAME: usize = 200;
 
 /// What is said of everything that the contract plans and the program cannot do yet.
 pub(super) const LATER: &str = "is not yet available";
@@ -125,9 +135,14 @@ impl Checker<'_> {
         };
         self.dim = column.size.len();
         for (index, length) in column.size.iter().enumerate() {
+            let path = format!("mesh.column.size.{index}");
             if *length <= 0.0 {
-                let path = format!("mesh.column.size.{index}");
                 self.add(&path, format!("must be positive, got {}", number_text(*length)));
+                self.broken.insert("mesh".to_owned());
+            } else if !LENGTHS.contains(length) {
+                let (least, most) = (LENGTHS.start(), LENGTHS.end());
+                let got = number_text(*length);
+                self.add(&path, format!("must be between {least:e} and {most:e} m, got {got}"));
                 self.broken.insert("mesh".to_owned());
             }
         }
@@ -213,59 +228,27 @@ impl Checker<'_> {
         }
     }
 
-    /// The layers must cover the column, each height once.
-    fn layers(&mut self, materials: &[Material], height: f64) {
-        if let [only] = materials
-            && only.z.is_none()
-        {
-            return;
-        }
-        let mut top = 0.0;
-        for material in materials {
-            let path = format!("materials.{}.z", material.name);
-            let Some([low, high]) = material.z else {
-                self.add(&path, "is missing; with several materials each has its heights");
-                return;
-            };
-            if low >= high {
-                self.add(&path, format!("must rise, got [{low}, {high}]"));
-                return;
-            }
-            if low != top {
-                let what = if low > top { "leaves a gap" } else { "overlaps" };
-                self.add(&path, format!("{what} between {} and {}", low.min(top), low.max(top)));
-            }
-            top = high;
-        }
-        if top != height {
-            let name = materials.last().map_or("", |material| &material.name);
-            let reason = format!("ends at {top}, but the column is {height} high");
-            self.add(&format!("materials.{name}.z"), reason);
-        }
-    }
-
     fn interfaces(&mut self, file: &CaseFile, mesh: &MeshSpec) -> Vec<InterfaceSpec> {
         let height = self.sound(&["mesh"]).then(|| mesh.height());
-        let mut names: BTreeSet<&str> = BTreeSet::new();
+        let mut names: Vec<&str> = Vec::new();
         let mut below: Option<f64> = None;
         let mut interfaces = Vec::new();
         for (index, section) in file.interfaces.iter().enumerate() {
             let path = format!("interfaces.{index}");
             self.name(&format!("{path}.name"), &section.name);
-            if section.name == "bulk" {
-                self.add(&format!("{path}.name"), "cannot be `bulk`, the name of the field files");
-            }
-            if !names.insert(&section.name) {
-                self.add(&format!("{path}.name"), format!("`{}` is taken", section.name));
-            }
+            self.file_name(&format!("{path}.name"), &section.name, &mut names);
             let z = section.z;
             if let Some(height) = height.filter(|height| !(z > 0.0 && z < *height)) {
+                let [height, z] = [height, z].map(number_text);
                 let reason = format!("must lie inside the column, in (0, {height}), got {z}");
                 self.add(&format!("{path}.z"), reason);
             }
             if let Some(below) = below.filter(|below| z <= *below) {
                 let reason = format!("must be above the interface before it at {below}, got {z}");
                 self.add(&format!("{path}.z"), reason);
+            }
+            if let Some(height) = height {
+                self.distance(&format!("{path}.z"), z, below, height);
             }
             below = Some(z);
             self.law(&format!("{path}.law"), &section.law);
@@ -338,11 +321,37 @@ impl Checker<'_> {
         }
     }
 
+    /// The name of an interface, which its field files bear beside those of the `others`.
+    fn file_name<'n>(&mut self, path: &str, name: &'n str, others: &mut Vec<&'n str>) {
+        let same = |other: &&&str| other.eq_ignore_ascii_case(name);
+        if BULK.eq_ignore_ascii_case(name) {
+            self.add(path, format!("cannot be `{name}`: {BULK} is the name of the field files"));
+        } else if let Some(other) = others.iter().find(same) {
+            let reason = if *other == name {
+                format!("`{name}` is taken")
+            } else {
+                format!(
+                    "`{name}` is `{other}` but for capital letters, and their field files would be one \
+                     where the file system does not tell them apart"
+                )
+            };
+            self.add(path, reason);
+        }
+        others.push(name);
+    }
+
     /// Names become columns and files.
     pub fn name(&mut self, path: &str, name: &str) {
         let allowed = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
         if name.is_empty() || !name.chars().all(allowed) {
-            let reason = format!("must be made of letters, digits, _ and -, got `{name}`");
+            let reason =
+                format!("must be made of letters, digits, _ and -, got `{}`", shortened(name));
+            self.add(path, reason);
+        } else if name.len() > LONGEST_NAME {
+            let reason = format!(
+                "has {} characters; names of files and columns may have up to {LONGEST_NAME}",
+                name.len()
+            );
             self.add(path, reason);
         }
     }

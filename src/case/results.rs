@@ -64,9 +64,11 @@ impl Case {
                 );
             }
         }
-        for surface in self.supported_surfaces() {
+        let supported = self.supported_surfaces();
+        let surfaces = supported.iter().map(|surface| surface.name());
+        for of in surfaces.chain(["total"]) {
             for axis in self.axes() {
-                columns.push(format!("{}.reaction_{axis}", surface.name()));
+                columns.push(format!("{of}.reaction_{axis}"));
             }
         }
         for probe in &self.probes {

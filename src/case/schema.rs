@@ -185,6 +185,7 @@ impl Walk<'_, '_> {
         let known = keys_of(schema);
         let mut kept: Vec<Entry> = Vec::with_capacity(entries.len());
         let mut misspelt: BTreeSet<String> = BTreeSet::new();
+        let mut is_misspelt = false;
         for mut entry in entries.drain(..) {
             let here = join(path, &entry.key);
             if kept.iter().any(|other| other.key == entry.key) {
@@ -196,10 +197,18 @@ impl Walk<'_, '_> {
             } else if schema["additionalProperties"].is_object() {
                 self.node(&schema["additionalProperties"], &mut entry.node, &here);
             } else if schema["additionalProperties"] != Json::Bool(true) {
-                let hint = suggestion(&entry.key, &known);
                 let here = shortened(&here);
+                let meant = truth(&entry.key).and_then(|flag| word_of_truth(flag, &known));
+                let hint = match meant {
+                    Some(word) => format!(
+                        ": tools for YAML 1.1 write the key {word} so; put it in quotes, '{word}':"
+                    ),
+                    None if known.is_empty() => format!("; {path} has none, write {{}}"),
+                    None => suggestion(&entry.key, &known),
+                };
                 self.problems.at(entry.origin, format!("{here} is not a known key{hint}"));
-                misspelt.extend(nearest(&entry.key, &known).cloned());
+                misspelt.extend(meant.or_else(|| nearest(&entry.key, &known)).cloned());
+                is_misspelt = true;
                 continue;
             }
             kept.push(entry);
@@ -221,7 +230,10 @@ impl Walk<'_, '_> {
                 self.problems.at(origin, format!("{} is missing", join(path, name)));
             }
         }
-        if too_few {
+        if too_few && is_misspelt {
+            // It has entries, of which the reader has been told.
+            self.broken.insert(path.split('.').next().unwrap_or_default().to_owned());
+        } else if too_few {
             self.breaks(node, path, "has no entries");
         }
     }
@@ -244,8 +256,9 @@ impl Walk<'_, '_> {
             return match fitting.first() {
                 Some(one) => self.node(one, node, path),
                 None => {
-                    let reason = format!("must be {}, got {}", forms_of(&choices), node.describe());
-                    self.breaks(node, path, &reason)
+                    let (forms, got) = (forms_of(&choices), node.describe());
+                    let hint = hint_of_truth(&node.data, &words);
+                    self.breaks(node, path, &format!("must be {forms}, got {got}{hint}"))
                 }
             };
         };
@@ -285,13 +298,34 @@ impl Walk<'_, '_> {
                 let hint = suggestion(text, words);
                 self.breaks(node, path, &format!("cannot be `{text}`{hint}"));
             }
-            _ => {
-                let reason =
-                    format!("must be one of {}, got {}", words.join(", "), node.describe());
-                self.breaks(node, path, &reason);
+            data => {
+                let (known, got) = (words.join(", "), node.describe());
+                let hint = hint_of_truth(data, words);
+                self.breaks(node, path, &format!("must be one of {known}, got {got}{hint}"));
             }
         }
     }
+}
+
+/// Whether a key is one of the words for true and false.
+fn truth(key: &str) -> Option<bool> {
+    let key = key.to_ascii_lowercase();
+    key.parse().ok()
+}
+
+/// The known word that YAML 1.1 takes for true or false, and which its tools write so.
+fn word_of_truth(flag: bool, known: &[String]) -> Option<&String> {
+    let words = if flag { ["on", "yes", "y"] } else { ["off", "no", "n"] };
+    known.iter().find(|word| words.contains(&word.as_str()))
+}
+
+/// What is said of true or false where one of these words is wanted.
+fn hint_of_truth(data: &Data, words: &[String]) -> String {
+    let Data::Flag(flag) = data else { return String::new() };
+    let word = word_of_truth(*flag, words);
+    word.map_or_else(String::new, |word| {
+        format!(": tools for YAML 1.1 write the word {word} so; put it in quotes, '{word}'")
+    })
 }
 
 fn join(path: &str, step: &str) -> String {

@@ -31,6 +31,7 @@ impl Checker<'_> {
             self.add("mesh.column.bodies", reason);
             return;
         }
+        self.thickness(mesh, interfaces);
         let count = |number: Option<u128>| match number {
             None => "more than 1e38".to_owned(),
             Some(n) if n < 1_000_000_000_000 => n.to_string(),

@@ -1,7 +1,7 @@
 //! The column generator: bodies stacked along z, each a lattice of boxes.
 
 use super::axes;
-use crate::case::{Case, Cells};
+use crate::case::{CLOSEST_PLANES, Case, Cells};
 use crate::error::{Error, Result};
 
 /// One layer of cells of a body.
@@ -86,7 +86,7 @@ impl Column {
                 Cells::Bodies(list) => (list[index], uniform([ends[0], ends[1]], list[index][2])),
             };
             levels.extend(changes.iter().chain(ends));
-            let levels = between(levels, [ends[0], ends[1]], 1e-9 * size[2]);
+            let levels = between(levels, [ends[0], ends[1]], CLOSEST_PLANES * size[2]);
             let layers = levels
                 .windows(2)
                 .map(|z| {
@@ -281,4 +281,35 @@ fn material_at(case: &Case, z: f64) -> Result<usize> {
     case.materials.iter().position(holds).ok_or_else(|| {
         Error::Input(format!("no material is given at the height z = {z} m; see materials.*.z"))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    /// As thin as the case may say: there are cells between all planes.
+    #[test]
+    fn thin_layers_have_cells() {
+        let elastic = "elastic: {young_modulus: 1, poisson_ratio: 0}";
+        let yaml = format!(
+            "mesh: {{column: {{size: [1, 1, 5], cells: [1, 1, 5]}}}}\n\
+             materials:\n  rock: {{z: [0, 2], {elastic}}}\n  seam: {{z: [2, 2.000000011], {elastic}}}\n  \
+             upper: {{z: [2.000000011, 5], {elastic}}}\n\
+             interfaces:\n  - {{name: low, z: 5.1e-9, law: {{tied: {{}}}}}}\n  \
+             - {{name: high, z: 4.9999999949, law: {{tied: {{}}}}}}\n\
+             boundary: [{{on: bottom, displacement: {{x: 0, y: 0, z: 0}}}}]\ntime: {{instants: [1]}}\n"
+        );
+        let case = Case::read(&yaml, Path::new("t.yaml"), &[]).expect("a case");
+        let column = Column::new(&case).expect("a column");
+        let layers: Vec<usize> = (0..3).map(|body| column.extent(body)[2]).collect();
+        assert_eq!(layers, [1, 6, 1]);
+        let mut thin = 0;
+        for cell in 0..column.cells() {
+            let (size, material) = column.cell_size(column.cell_place(cell));
+            assert!(size[2] > 5e-9, "{size:?}");
+            thin += usize::from(material == 1);
+        }
+        assert_eq!(thin, 1, "cells of the seam");
+    }
 }

@@ -150,7 +150,8 @@ fn go_on(path: &Path, case: &str, last: usize) -> Result<()> {
         .map_err(|cause| Error::file("cannot create the output directory", path, cause))?;
     let later = |file: &&PathBuf| {
         let name = file.file_name().and_then(|n| n.to_str()).unwrap_or_default();
-        let step = name.strip_suffix(".vtkhdf").and_then(|stem| stem.rsplit_once('_'));
+        let stem = name.strip_suffix(".vtkhdf");
+        let step = stem.and_then(|s| s.rsplit_once("_mesh.").or(s.rsplit_once('_')));
         let leftover = atomic::parse_temporary(name).is_some();
         let step = step.and_then(|(_, number)| number.parse::<usize>().ok());
         let told = file.ends_with(REPORT) || file.ends_with(PAGE);
@@ -225,11 +226,12 @@ fn our_files(path: &Path) -> Result<Vec<PathBuf>> {
     Ok(found)
 }
 
-/// `NAME_000003.vtkhdf`, `NAME_mesh.vtkhdf` or `NAME.vtkhdf.series`.
+/// `NAME_000003.vtkhdf`, `NAME_mesh.vtkhdf`, `NAME_mesh.000003.vtkhdf` or `NAME.vtkhdf.series`.
 fn is_field_file(name: &str) -> bool {
     let numbered = name.strip_suffix(".vtkhdf").and_then(|stem| stem.rsplit_once('_'));
+    let numbered = numbered.map(|(_, n)| n.strip_prefix("mesh.").unwrap_or(n));
     let numbered = numbered
-        .is_some_and(|(_, n)| n == "mesh" || n.len() >= 6 && n.bytes().all(|b| b.is_ascii_digit()));
+        .is_some_and(|n| n == "mesh" || n.len() >= 6 && n.bytes().all(|b| b.is_ascii_digit()));
     numbered || name.ends_with(".vtkhdf.series")
 }
 
@@ -270,6 +272,7 @@ mod tests {
             PAGE,
             "fields/bulk_000001.vtkhdf",
             "fields/bulk_mesh.vtkhdf",
+            "fields/bulk_mesh.000001.vtkhdf",
             "fields/bulk.vtkhdf.series",
         ] {
             fs::write(path.join(name), "x").unwrap();

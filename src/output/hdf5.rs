@@ -80,7 +80,8 @@ impl CollectiveFile {
         components: usize,
         values: &[T],
     ) -> Result<()> {
-        let builder = group.new_dataset::<T>().fill_time(FillTime::Never);
+        // The safe crate makes datasets without rows of chunks, unless it is told not to.
+        let builder = group.new_dataset::<T>().no_chunk().fill_time(FillTime::Never);
         let total = rows.total as usize;
         let (dataset, rank) = if components == 1 {
             (builder.shape(total).create(name)?, 1)

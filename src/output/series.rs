@@ -94,7 +94,8 @@ impl Series {
             Some(mesh) => mesh.clone(),
             None => {
                 let first = self.files.is_empty();
-                let number = if first { String::new() } else { format!("_{step:06}") };
+                // No name of a series holds a dot: this is no file of an instant of NAME_mesh.
+                let number = if first { String::new() } else { format!(".{step:06}") };
                 let mesh = format!("{}_mesh{number}.vtkhdf", self.name);
                 write_grid(comm, publisher, &self.directory.join(&mesh), grid, known)?;
                 self.mesh.insert(mesh).clone()

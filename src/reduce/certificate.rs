@@ -5,10 +5,10 @@ use super::forces::add_forces;
 use super::lips::Lips;
 use super::refusal::loads_at;
 use super::{Prolongation, Snapshot};
-use crate::case::Case;
+use crate::case::{Case, Surface};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
-use crate::solve::Foundation;
+use crate::solve::{Foundation, reactions};
 
 /// Differences of this size, over the largest value, are rounding.
 const ROUNDING: f64 = 1e-12;
@@ -19,7 +19,7 @@ const SAME: f64 = 64.0 * f64::EPSILON;
 const MOST_DIRECTIONS: usize = 32;
 
 /// What was shown.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Proof {
     /// Bound of the error in the energy norm, over the largest energy norm.
     pub error_bound: f64,
@@ -27,6 +27,9 @@ pub struct Proof {
     pub softening: f64,
     /// Evaluations of the residual.
     pub residuals: usize,
+    /// Of each state the forces of the supports of the model asked for, as `solve::reactions` has
+    /// them.
+    pub reactions: Vec<Vec<[f64; 3]>>,
 }
 
 /// Shows how far the prolonged states of a smaller model are from those of the model of
@@ -41,16 +44,18 @@ pub fn prove(
     prolongation: &Prolongation,
     states: &[Snapshot],
 ) -> Result<Proof> {
-    let proof = Prover { comm, case, foundation, prolongation, states };
+    let surfaces = case.supported_surfaces();
+    let proof = Prover { comm, case, foundation, prolongation, states, surfaces };
     let lips = Lips { case, foundation, prolongation, states };
     let strain = size_over_strain(case, &foundation.mesh.column, &lips.joints());
-    let (softening, strain) = comm
-        .agree(lips.softening().and_then(|share| Ok((share, strain?))).map_err(Error::Numerics))?;
+    let (softening, strain) = comm.agree_alike(
+        lips.softening().and_then(|share| Ok((share, strain?))).map_err(Error::Numerics),
+    )?;
     if let Some(why) = proof.differing_supports()? {
         return Err(Error::Numerics(why));
     }
     let defect = proof.jump_defect();
-    let (residuals, norm, energy) = proof.residuals()?;
+    let Residuals { count: residuals, norm, energy, reactions } = proof.residuals()?;
     if energy == 0.0 {
         return Err(Error::Numerics("nothing is deformed".into()));
     }
@@ -60,7 +65,31 @@ pub fn prove(
     // |e|^2 <= R.e / (1 - softening) and |e_j| <= sqrt(strain / (stiffness mass)) |e|.
     let amplified = norm * (strain / (stiffness_over_strain(case) * least[0])).sqrt();
     let error_bound = (amplified / ((1.0 - softening) * energy)).max(defect);
-    Ok(Proof { error_bound, softening, residuals })
+    let in_space = |sums: &Vec<f64>| sums.chunks_exact(3).map(|s| [s[0], s[1], s[2]]).collect();
+    let reactions = reactions.iter().map(in_space).collect();
+    Ok(Proof { error_bound, softening, residuals, reactions })
+}
+
+/// What the residuals of all states show.
+struct Residuals {
+    /// How many were evaluated.
+    count: usize,
+    /// The largest 2-norm (N).
+    norm: f64,
+    /// The largest energy norm (J^1/2).
+    energy: f64,
+    /// Of each state, the sums of the forces of the supports (N).
+    reactions: Vec<Vec<f64>>,
+}
+
+/// The residual of one state.
+struct Residual {
+    /// 2-norm where nothing is prescribed (N).
+    norm: f64,
+    /// Energy norm of the state (J^1/2).
+    energy: f64,
+    /// Sums of the forces of the supports (N).
+    reactions: Vec<f64>,
 }
 
 struct Prover<'p> {
@@ -69,6 +98,8 @@ struct Prover<'p> {
     foundation: &'p Foundation,
     prolongation: &'p Prolongation,
     states: &'p [Snapshot],
+    /// Those that prescribe a displacement.
+    surfaces: Vec<Surface>,
 }
 
 impl Prover<'_> {
@@ -174,15 +205,16 @@ impl Prover<'_> {
         nodes.map(|n| largest(&[n.response.law_traction])).fold(0.0, f64::max)
     }
 
-    /// Number of states whose residual was evaluated, the largest 2-norm of a residual of all states
-    /// (N), and the largest energy norm (J^1/2). Collective.
+    /// The residuals of all states. Collective.
     ///
     /// A residual is linear in displacements, tractions and loads, and does not feel translations of a
     /// body: states that are combinations of others need no evaluation.
-    fn residuals(&self) -> Result<(usize, f64, f64)> {
+    fn residuals(&self) -> Result<Residuals> {
         let mut rest: Vec<Vec<f64>> = self.states.iter().map(|s| self.stacked(s)).collect();
         // Of each state: the bound of its residual by its parts along the directions so far.
         let mut parts = vec![0.0; rest.len()];
+        // And the forces of the supports by the same parts.
+        let mut reactions = vec![vec![0.0; 3 * (self.surfaces.len() + 1)]; rest.len()];
         let (mut count, mut norm, mut energy) = (0, 0.0_f64, 0.0_f64);
         let size = |v: &[f64]| dot(v, v).sqrt();
         let largest = rest.iter().map(|v| size(v)).fold(0.0, f64::max);
@@ -194,27 +226,33 @@ impl Prover<'_> {
             let mine = pick.filter(|_| self.comm.is_root()).map_or(0, |p| p as u64 + 1);
             let Some(pick) = self.comm.max_u64(mine).checked_sub(1) else { break };
             let pick = pick as usize;
-            let (found, own) = self.residual(&self.states[pick])?;
+            let Residual { norm: found, energy: own, reactions: of_supports } =
+                self.residual(&self.states[pick])?;
             (count, norm, energy) = (count + 1, norm.max(found), energy.max(own));
             if count > MOST_DIRECTIONS {
                 // States without much in common.
                 rest[pick].fill(0.0);
-                parts[pick] = found;
+                (parts[pick], reactions[pick]) = (found, of_supports);
                 continue;
             }
             // The direction is the state less its parts along the others.
             let length = size(&rest[pick]);
             let of_direction = (found + parts[pick]) / length;
             let direction: Vec<f64> = rest[pick].iter().map(|x| x / length).collect();
-            for (rest, parts) in rest.iter_mut().zip(&mut parts) {
+            let known = &reactions[pick];
+            let supports: Vec<f64> =
+                of_supports.iter().zip(known).map(|(own, known)| (own - known) / length).collect();
+            for ((rest, parts), sums) in rest.iter_mut().zip(&mut parts).zip(&mut reactions) {
                 let along = dot(rest, &direction);
                 *parts += along.abs() * of_direction;
+                sums.iter_mut().zip(&supports).for_each(|(sum, force)| *sum += along * force);
                 rest.iter_mut().zip(&direction).for_each(|(r, d)| *r -= along * d);
             }
             rest[pick].fill(0.0);
-            parts[pick] = found;
+            (parts[pick], reactions[pick]) = (found, of_supports);
         }
-        Ok((count, parts.into_iter().fold(norm, f64::max), energy))
+        let norm = parts.into_iter().fold(norm, f64::max);
+        Ok(Residuals { count, norm, energy, reactions })
     }
 
     /// Displacements less the translation of each body, tractions and loads of a state, all in Pa. Local.
@@ -240,15 +278,13 @@ impl Prover<'_> {
         displacement
     }
 
-    /// The 2-norm of the residual of a prolonged state where nothing is prescribed (N), and its
-    /// energy norm (J^1/2). Collective.
-    fn residual(&self, state: &Snapshot) -> Result<(f64, f64)> {
-        let Foundation { all, loads, .. } = self.foundation;
+    /// The residual of a prolonged state. Collective.
+    fn residual(&self, state: &Snapshot) -> Result<Residual> {
+        let Foundation { mesh, all, loads, .. } = self.foundation;
         let dim = all.dim;
         let mut force = vec![0.0; all.nodes.len() * dim];
         let displacement = self.without_translations(state);
         let energy = add_forces(self.foundation, self.prolongation, &displacement, &mut force);
-        let mut sums = [0.0, energy];
         let added = loads.add(state.time, |name, component, load| {
             let node = all.nodes.local(name).expect("loads act on the rank's own cells") as usize;
             force[node * dim + component] -= load;
@@ -260,13 +296,17 @@ impl Prover<'_> {
         };
         let mut on_lips = vec![0.0; force.len()];
         all.add_tractions(traction, &mut on_lips);
+        force.iter_mut().zip(&on_lips).for_each(|(force, on_lips)| *force += on_lips);
+        let at = |node: usize, c: usize| force[node * dim + c];
+        let supports = reactions(&mesh.column, all, &self.surfaces, at);
+        let mut sums = [vec![0.0, energy], supports.into_flattened()].concat();
         for node in 0..all.nodes.owned {
-            for c in (0..dim).filter(|c| !all.prescribed[node][*c]) {
-                sums[0] += (force[node * dim + c] + on_lips[node * dim + c]).powi(2);
-            }
+            let free = (0..dim).filter(|c| !all.prescribed[node][*c]);
+            sums[0] += free.map(|c| at(node, c).powi(2)).sum::<f64>();
         }
         self.comm.sum(&mut sums);
-        Ok((sums[0].sqrt(), sums[1].max(0.0).sqrt()))
+        let reactions = sums.split_off(2);
+        Ok(Residual { norm: sums[0].sqrt(), energy: sums[1].max(0.0).sqrt(), reactions })
     }
 }
 

@@ -20,7 +20,7 @@ use crate::signals;
 use crate::solve::{MOST_COUNTED, Model, State, StepState};
 
 /// Layout of the file; another one is refused.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 
 /// The case of a checkpoint is read up to this length (bytes): a case file of the largest size with
 /// every default written out is shorter.

@@ -1,6 +1,6 @@
 //! Field files: the bulk, and the secondary side of each interface.
 
-use crate::case::Case;
+use crate::case::{BULK, Case};
 use crate::comm::Comm;
 use crate::element::Shape;
 use crate::error::Result;
@@ -30,7 +30,7 @@ impl FieldWriter {
         let series = |name: &str| Series::resume(directory.fields(), name, &written);
         Self {
             mesh: None,
-            bulk: series("bulk"),
+            bulk: series(BULK),
             interfaces: case.interfaces.iter().map(|i| series(&i.name)).collect(),
             grids: None,
             written,

@@ -3,7 +3,7 @@
 use super::probes::Probe;
 use crate::case::Case;
 use crate::comm::Comm;
-use crate::solve::{Accepted, FluidBalance, Model};
+use crate::solve::{Accepted, FluidBalance, Model, reactions};
 
 /// The row of the instant that `model` has reached, in the order of `Case::columns`. Collective;
 /// complete on every rank.
@@ -21,17 +21,11 @@ pub fn row(
     let mut row = vec![Some(time), Some(factor), counts[0], counts[1]];
     debug_assert_eq!(row.len(), FIRST_OF_INTERFACES);
     row.extend(interface_statistics(case, model, comm));
-    let reactions = model.stepper.reactions();
-    for surface in case.supported_surfaces() {
-        let mut sum = [0.0; 3];
-        for (name, force) in &reactions {
-            if *name == surface.name() {
-                (0..3).for_each(|c| sum[c] += force[c]);
-            }
-        }
-        comm.sum(&mut sum);
-        row.extend(sum[..case.dim].iter().map(|v| Some(*v)));
-    }
+    let force = |node: usize, c: usize| problem.balance[node * case.dim + c];
+    let surfaces = case.supported_surfaces();
+    let mut sums = reactions(&model.mesh.column, &problem.all, &surfaces, force);
+    comm.sum(sums.as_flattened_mut());
+    row.extend(sums.iter().flat_map(|sum| &sum[..case.dim]).map(|v| Some(*v)));
     // Three components, then the pressure and whether there is one.
     let flow = model.stepper.coupling.as_ref().map(|coupling| &coupling.flow);
     let mut at_probes = vec![0.0; 5 * case.probes.len()];
@@ -79,6 +73,15 @@ pub fn fill(case: &Case, row: &mut [Option<f64>], has: impl Fn(usize, usize) -> 
         // The damage.
         at += 3;
     }
+}
+
+/// Puts in the reactions of a model asked for in the place of a smaller one's, whose nodes stand for
+/// more of each surface: of each surface, then the total (N). Local.
+pub fn put_reactions(case: &Case, row: &mut [Option<f64>], reactions: &[[f64; 3]]) {
+    let columns = case.columns();
+    let places = row.iter_mut().zip(&columns).filter(|(_, name)| name.contains(".reaction_"));
+    let values = reactions.iter().flat_map(|sum| &sum[..case.dim]);
+    places.zip(values).for_each(|((place, _), value)| *place = Some(*value));
 }
 
 /// Columns before those of the interfaces.

@@ -72,7 +72,7 @@ fn serves(
     let started = Instant::now();
     let narrow = narrowed(case, &foundation.sides);
     let solved = instants(&runtime.alone(), timers, &narrow, candidate);
-    let (states, rows, unknowns) = comm.agree(solved)?;
+    let (states, rows, unknowns) = comm.agree_alike(solved)?;
     let prolongation = Prolongation::new(&candidate.column, wide);
     let mut reduced = Reduced { prolongation, states, rows, unknowns };
     let solution_seconds = started.elapsed().as_secs_f64();
@@ -89,7 +89,7 @@ fn serves(
              (solver.tolerance is {tolerance:.1e})"
         )));
     }
-    reduced.fill(runtime, case, foundation);
+    reduced.fill(runtime, case, foundation, &proof.reactions);
     let certificate = Certificate {
         error_bound: bound,
         softening: proof.softening,
@@ -142,8 +142,15 @@ impl Reduced {
         format!("the {} unknowns of the smaller model are eliminated", self.unknowns)
     }
 
-    /// Completes the rows of the history by what vanishes where the smaller model has no node. Collective.
-    fn fill(&mut self, runtime: &Runtime, case: &Case, foundation: &Foundation) {
+    /// Completes the rows of the history by what vanishes where the smaller model has no node, and
+    /// by the reactions of the nodes of the model asked for. Collective.
+    fn fill(
+        &mut self,
+        runtime: &Runtime,
+        case: &Case,
+        foundation: &Foundation,
+        reactions: &[Vec<[f64; 3]>],
+    ) {
         let all = &foundation.all;
         let mut has = vec![0.0; 3 * case.interfaces.len()];
         for rows in &all.secondary[..all.owned_secondary()] {
@@ -152,8 +159,9 @@ impl Reduced {
             }
         }
         runtime.comm.max(&mut has);
-        for (row, _) in &mut self.rows {
+        for ((row, _), reactions) in self.rows.iter_mut().zip(reactions) {
             history::fill(case, row, |interface, c| has[3 * interface + c] > 0.0);
+            history::put_reactions(case, row, reactions);
         }
     }
 

@@ -284,24 +284,6 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// Force of the support on the body at each owned node with prescribed components, by the
-    /// surface that prescribes them (N; 0 at other components). Local.
-    pub fn reactions(&self) -> Vec<(&'static str, [f64; 3])> {
-        let (all, dim) = (&self.problem.all, self.problem.all.dim);
-        let mut list = Vec::new();
-        for node in (0..all.nodes.owned).filter(|n| all.prescribed[*n] != [false; 3]) {
-            let entries = self.prescribed.entries_of(all.nodes.names[node]);
-            for (c, entry) in entries.iter().enumerate().take(dim) {
-                if let Some(entry) = entry {
-                    let mut force = [0.0; 3];
-                    force[c] = self.problem.balance[node * dim + c];
-                    list.push((self.prescribed.surface(*entry), force));
-                }
-            }
-        }
-        list
-    }
-
     /// The porous cells and the pressures of all local nodes of theirs (Pa), computed or known. Local.
     pub fn pores(&self) -> Option<(&PoreSpace, &[f64])> {
         let computed = self.coupling.as_ref().map(|c| (&*c.flow.space, &c.flow.pressure[..]));

@@ -203,6 +203,8 @@ fn refused(scene: &Scene, words: &str) {
     assert_eq!(reduction["applied"], false, "{}", run.screen);
     let why = reduction["why"].as_str().expect("words");
     assert!(why.contains(words), "{why}, not {words}");
+    // Every rank finds out by itself, and none is named.
+    assert!(!why.contains("rank"), "{why}");
     assert!(run.screen.contains(why), "{}", run.screen);
 }
 

@@ -319,10 +319,15 @@ impl Run {
 
     /// The largest difference of any value, relative to the largest of its kind.
     pub fn difference(&self, other: &Run) -> f64 {
+        self.difference_above(other, |_| f64::MIN_POSITIVE)
+    }
+
+    /// The same, where a kind that is all rounding has the scale that `least` gives.
+    pub fn difference_above(&self, other: &Run, least: impl Fn(Kind) -> f64) -> f64 {
         let mut worst = 0.0_f64;
         for (index, name) in self.table.columns.iter().enumerate() {
             let Some(kind) = Kind::of(name) else { continue };
-            let largest = self.largest(kind).max(f64::MIN_POSITIVE);
+            let largest = self.largest(kind).max(least(kind));
             for (mine, others) in self.table.rows.iter().zip(&other.table.rows) {
                 if let (Some(mine), Some(others)) = (mine[index], others[index]) {
                     worst = worst.max((others - mine).abs() / largest);
@@ -332,7 +337,8 @@ impl Run {
         worst
     }
 
-    fn largest(&self, kind: Kind) -> f64 {
+    /// The largest value of a kind.
+    pub fn largest(&self, kind: Kind) -> f64 {
         let columns = self.table.columns.iter().enumerate().filter(|c| Kind::of(c.1) == Some(kind));
         let values = columns.flat_map(|(i, _)| self.table.rows.iter().filter_map(move |r| r[i]));
         values.fold(0.0, |largest, v| largest.max(v.abs()))
@@ -343,6 +349,9 @@ impl Run {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     Traction,
+    Pressure,
+    Flux,
+    Mass,
     Length,
     Damage,
     Reaction,
@@ -355,6 +364,9 @@ impl Kind {
     fn of(column: &str) -> Option<Self> {
         let kinds = [
             ("traction", Self::Traction),
+            ("pressure", Self::Pressure),
+            ("flux", Self::Flux),
+            ("mass", Self::Mass),
             ("jump", Self::Length),
             ("sliding", Self::Length),
             ("displacement", Self::Length),

@@ -41,6 +41,12 @@ const WRONG: &[Wrong] = &[
         says: "case.yaml:5:22: interfaces.0.z must lie inside the column, in (0, 5), got 7",
     },
     Wrong {
+        from: "z: 2.5",
+        to: "z: 5.0e-9",
+        says: "case.yaml:5:22: interfaces.0.z is 5.00e-9 m from the bottom, got 5e-9; cells between \
+               them need more than 5e-9 m, 1e-9 of the height: move it, or leave it out",
+    },
+    Wrong {
         from: "900}}}",
         to: "900}}}\n  - {name: lower, z: 1, law: {tied: {}}}",
         says: "case.yaml:6:22: interfaces.1.z must be above the interface before it at 2.5, got 1",

@@ -161,8 +161,8 @@ fn a_mistake_in_the_file_is_told_with_its_place_and_reason() {
              linear_iterations, joint.normal_traction, joint.shear_traction_x, \
              joint.shear_traction_y, joint.normal_jump, joint.sliding_x, joint.sliding_y, \
              joint.damage, bottom.reaction_x, bottom.reaction_y, bottom.reaction_z, \
-             top.reaction_x, top.reaction_y, top.reaction_z, mid.displacement_x, \
-             mid.displacement_y, mid.displacement_z, energy.elastic, energy.dissipated, \
+             top.reaction_x, top.reaction_y, top.reaction_z, total.reaction_x, total.reaction_y, \
+             total.reaction_z, mid.displacement_x, mid.displacement_y, mid.displacement_z, energy.elastic, energy.dissipated, \
              energy.external)",
         ),
         (

@@ -3,6 +3,7 @@
 mod flow;
 mod limits;
 mod mistakes;
+mod places_and_names;
 mod shipped;
 mod stability;
 
@@ -79,6 +80,9 @@ fn the_columns_are_those_of_the_contract() {
         "top.reaction_x",
         "top.reaction_y",
         "top.reaction_z",
+        "total.reaction_x",
+        "total.reaction_y",
+        "total.reaction_z",
         "mid.displacement_x",
         "mid.displacement_y",
         "mid.displacement_z",
@@ -96,6 +100,8 @@ fn the_columns_are_those_of_the_contract() {
         "bottom.reaction_z",
         "top.reaction_x",
         "top.reaction_z",
+        "total.reaction_x",
+        "total.reaction_z",
         "mid.displacement_x",
         "mid.displacement_z",
     ];

@@ -3,6 +3,15 @@
 use super::Stepper;
 use crate::petsc::SolveReport;
 
+/// Interfaces by their names, as the subject of a sentence.
+fn in_words(names: &[&str]) -> String {
+    match names {
+        [name] => format!("interface {name}"),
+        [first @ .., last] => format!("interfaces {} and {last}", first.join(", ")),
+        [] => String::new(),
+    }
+}
+
 impl Stepper<'_> {
     /// What may lie behind a step that fails however small it is. Collective.
     pub(super) fn advice(&self) -> String {
@@ -21,17 +30,24 @@ impl Stepper<'_> {
         let holds: Vec<bool> = gave_way.iter().map(|gave_way| !gave_way).collect();
         let free = self.case.free_motions(&holds);
         let first = names[0];
-        let names = names.join(" and ");
+        let (is_one, names) = (names.len() == 1, in_words(&names));
         if free.is_empty() {
             return format!(
-                "\ninterface {names} gives way over its whole area in this step: if the column \
+                "\n{names} {} whole area in this step: if the column \
                  gives back more energy than the interface takes (snap-back), no step is small \
                  enough, but control: {{opening: {{of: {first}, equals: ...}}}} follows it; otherwise a \
-                 larger augmentation may help"
+                 larger augmentation may help",
+                if is_one { "gives way over its" } else { "give way over their" }
             );
         }
         format!(
-            "\ninterface {names} ruptures: all of it softens or is broken, and without it {}",
+            "\n{names} {}, and without {} {}",
+            if is_one {
+                "ruptures: all of it softens or is broken"
+            } else {
+                "rupture: all of them softens or is broken"
+            },
+            if is_one { "it" } else { "them" },
             free.join("; ")
         )
     }
@@ -62,10 +78,10 @@ impl Stepper<'_> {
         }
         let broken = self.case.interfaces.iter().zip(&holds).filter(|(_, holds)| !**holds);
         let names: Vec<&str> = broken.map(|(interface, _)| interface.name.as_str()).collect();
-        let have = if names.len() == 1 { "has" } else { "have" };
+        let (have, their) = if names.len() == 1 { ("has", "its") } else { ("have", "their") };
         Some(format!(
-            "at time {time} interface {} {have} ruptured over the whole area: {}",
-            names.join(" and "),
+            "at time {time} {} {have} ruptured over {their} whole area: {}",
+            in_words(&names),
             free.join("; ")
         ))
     }
@@ -95,5 +111,17 @@ impl Stepper<'_> {
     fn softening_place(&self) -> Option<String> {
         let mine = self.problem.convergence.softening;
         self.place_of(mine.map(|(name, interface)| (name, interface as usize)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_words;
+
+    #[test]
+    fn interfaces_are_named_one_by_one() {
+        assert_eq!(in_words(&["a"]), "interface a");
+        assert_eq!(in_words(&["a", "b"]), "interfaces a and b");
+        assert_eq!(in_words(&["a", "b", "c"]), "interfaces a, b and c");
     }
 }
