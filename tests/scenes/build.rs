@@ -233,7 +233,14 @@ impl Scene {
                 0.25 * if self.loaded { stress } else { length } * f64::from(self.shear[axis])
                     / 4.0;
             let count = path.path.len() as f64 - 1.0;
-            let ramp = |p: &[f64; 2]| [p[0], unit * if count > 0.0 { p[0] / count } else { 1.0 }];
+            let ramp = |p: &[f64; 2]| {
+                let part = match (count > 0.0, unit > 0.0) {
+                    (false, _) => 1.0,
+                    (true, true) => p[0] / count,
+                    (true, false) => p[0] % 2.0,
+                };
+                [p[0], unit * part]
+            };
             Field { path: path.path.iter().map(ramp).collect(), ..Field::constant(0.0) }
         };
         let loads = if self.loaded { &mut top.traction } else { &mut top.displacement };

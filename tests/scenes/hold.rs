@@ -5,7 +5,7 @@ use crate::case::Case;
 use crate::compare::Measure;
 use crate::launch::{Outcome, Run, Setting, run};
 use crate::relations::{Pair, Relation, pair};
-use crate::scene::Scene;
+use crate::scene::{Pores, Scene};
 
 /// What came of it.
 #[derive(Debug, Clone)]
@@ -44,6 +44,9 @@ pub fn hold(relation: Relation, scene: &Scene, known: &mut Known) -> Option<Verd
         Relation::BelowStrength => below(&built, &pair, known),
         _ => {
             let own;
+            if matches!(known.outcome(&built.case), Outcome::Ended(..)) && !relation.may_mend() {
+                return Some(Verdict::Skipped("the scene itself is not solved".into()));
+            }
             let base = if pair.base == built.case && !pair.base_setting.fields {
                 known.outcome(&pair.base)
             } else {
@@ -51,7 +54,7 @@ pub fn hold(relation: Relation, scene: &Scene, known: &mut Known) -> Option<Verd
                 &own
             };
             let other = run(&pair.other, &pair.setting);
-            agree(relation, &built, &pair, base, &other)
+            agree(relation, scene, &built, &pair, base, &other)
         }
     };
     Some(verdict)
@@ -122,7 +125,8 @@ fn below(built: &Built, pair: &Pair, known: &mut Known) -> Verdict {
     }
     match known.outcome(&built.case) {
         Outcome::Done(run) => {
-            match Measure::of(built).differences(run, &tied, &pair.change, &[], false) {
+            let work: &[&str] = if run.cuts == tied.cuts { &[] } else { &["energy.external"] };
+            match Measure::of(built).differences(run, &tied, &pair.change, work, false) {
                 Some(words) => broken(true, words),
                 None => Verdict::Held,
             }
@@ -131,8 +135,19 @@ fn below(built: &Built, pair: &Pair, known: &mut Known) -> Verdict {
     }
 }
 
+impl Scene {
+    /// Whether a state is another one where the steps before it were others: what flows, and what
+    /// is damaged while modes and places change.
+    fn depends_on_steps(&self, run: &Run) -> bool {
+        let damage = run.table.columns.iter().enumerate().filter(|c| c.1.ends_with("damage.max"));
+        let damaged = damage.flat_map(|(i, _)| run.table.rows.iter().filter_map(move |r| r[i]));
+        matches!(self.pores, Pores::Flow(_)) || self.uneven() && damaged.fold(0.0, f64::max) > 0.0
+    }
+}
+
 fn agree(
     relation: Relation,
+    scene: &Scene,
     built: &Built,
     pair: &Pair,
     base: &Outcome,
@@ -162,10 +177,14 @@ fn agree(
         return Verdict::Skipped(format!("no smaller model: {why}"));
     }
     let measure = Measure::of(built);
+    let cut = one.cuts != other.cuts || relation == Relation::Halves;
+    if cut && scene.depends_on_steps(one) {
+        return Verdict::Skipped("steps that were cut otherwise".into());
+    }
     let skip: &[&str] = match relation {
         Relation::Opening => &["load_factor"],
-        // External work by the trapezoidal rule depends on the steps.
-        Relation::Halves => &["energy.external"],
+        // The external work is that of the trapezoidal rule over the steps.
+        _ if cut => &["energy.external"],
         _ => &[],
     };
     let found = measure.differences(one, other, &pair.change, skip, pair.common_only);

@@ -79,6 +79,8 @@ pub enum Outcome {
 
 pub struct Run {
     pub table: Table,
+    /// Steps that were halved.
+    pub cuts: Vec<String>,
     /// It told of states that are not stable or not unique.
     pub doubtful: bool,
     /// Why the model asked for was not replaced, if it was not.
@@ -113,12 +115,17 @@ pub fn run(case: &Case, setting: &Setting) -> Outcome {
     let file = place.0.join("case.yaml");
     fs::write(&file, case.yaml()).expect("the place is writable");
     let output = place.0.join("results");
+    let mut cuts = Vec::new();
     for words in setting.words(case) {
-        let mut args = vec![file.to_string_lossy().into_owned(), "--quiet".into()];
+        let mut args = vec![file.to_string_lossy().into_owned()];
         args.extend(["--output".into(), output.to_string_lossy().into_owned()]);
         args.extend(words);
         match launch(setting.ranks, &args, &place.0) {
-            (Some(0), _) => {}
+            (Some(0), _) => {
+                let screen = fs::read_to_string(place.0.join("stdout")).unwrap_or_default();
+                let halved = screen.lines().filter(|line| line.ends_with("halved"));
+                cuts.extend(halved.map(|l| l.split(" failed").next().unwrap_or(l).to_owned()));
+            }
             (status, words) => return Outcome::Ended(status, words),
         }
     }
@@ -130,7 +137,7 @@ pub fn run(case: &Case, setting: &Setting) -> Outcome {
     let reduction = &report["reduction"];
     let why = || reduction["why"].as_str().unwrap_or_default().to_owned();
     let not_reduced = (reduction["applied"] != true).then(why);
-    Outcome::Done(Box::new(Run { table, doubtful, not_reduced, place }))
+    Outcome::Done(Box::new(Run { table, cuts, doubtful, not_reduced, place }))
 }
 
 /// Status and last words of a run; a run on one rank needs no launcher.
@@ -145,11 +152,12 @@ fn launch(ranks: usize, args: &[String], place: &Path) -> (Option<i32>, String) 
     };
     let said = place.join("stderr");
     let errors = fs::File::create(&said).expect("the place is writable");
+    let screen = fs::File::create(place.join("stdout")).expect("the place is writable");
     let mut child = command
         .args(args)
         .envs(crate::common::environment())
         .stdin(Stdio::null())
-        .stdout(Stdio::null())
+        .stdout(screen)
         .stderr(errors)
         .spawn()
         .expect("mpirun is on the PATH (Debian: openmpi-bin)");

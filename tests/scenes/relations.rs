@@ -64,6 +64,21 @@ impl Relation {
         Self::EqualModes,
     ];
 
+    /// Whether it is worth the time where the scene itself is not solved.
+    pub fn may_mend(self) -> bool {
+        use Relation as R;
+        let few = [
+            R::Exchanged,
+            R::UpsideDown,
+            R::Units,
+            R::SecondaryUpper,
+            R::SecondaryLower,
+            R::TwoRanks,
+            R::Multigrid,
+        ];
+        few.contains(&self)
+    }
+
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|r| r.name() == name)
     }
@@ -189,14 +204,15 @@ pub fn pair(relation: Relation, scene: &Scene, built: &Built) -> Option<Pair> {
             (!case.by_body && !case.joints.is_empty()).then(|| Pair::case(case, other))
         }
         Relation::Refined => {
-            let small = case.cells.iter().all(|c| c[0] <= 2 && c[1] <= 2) && scene.bodies.len() < 4;
+            let small = case.flat || case.cells.iter().all(|c| c[0] * c[1] <= 4);
             let mut fine = case.clone();
             let axes = case.axes();
             for cells in &mut fine.cells {
                 axes.iter().for_each(|a| cells[*a] *= 2);
             }
             let coarse = Case { refine: 1, ..case.clone() };
-            (small && !(solid && scene.second_order)).then(|| Pair::case(&fine, coarse))
+            (small && !(solid && scene.second_order && scene.bodies.len() > 1))
+                .then(|| Pair::case(&fine, coarse))
         }
         Relation::Reduced => {
             // Nothing is tried below 3000 unknowns.

@@ -52,6 +52,7 @@ pub struct Scene {
     /// Quarters of what breaks the weakest interface, at 1, 2, ...
     pub path: Vec<i32>,
     pub constant: bool,
+    /// Below 0 to and fro.
     pub shear: [i32; 2],
     pub tilt: [i32; 2],
     pub aside: i32,
@@ -99,6 +100,12 @@ pub fn scenes() -> impl Strategy<Value = Scene> {
     let support = prop_oneof![2 => Just(Support::Clamped), 1 => Just(Support::Rollers), 1 => Just(Support::Oedometric)];
     let loaded = prop_oneof![3 => Just(false), 1 => Just(true)];
     let path = proptest::collection::vec(-4..=12_i32, 1..=4);
+    let further = proptest::collection::vec(1..=12_i32, 1..=4).prop_map(|mut path| {
+        path.sort_unstable();
+        path.dedup();
+        path
+    });
+    let path = prop_oneof![path, further];
     let drive = (loaded, path, prop_oneof![4 => Just(false), 1 => Just(true)]);
     let uneven = (
         [seldom(-8..=8), seldom(-8..=8)],
