@@ -34,7 +34,7 @@ impl Scene {
             |of: &dyn Fn(&Body) -> f64| self.bodies.iter().all(|b| of(b) == of(&self.bodies[0]));
         let poisson = |b: &Body| self.poisson(b);
         let strained = match self.support {
-            Support::Oedometric => false,
+            Support::Oedometric | Support::Boxed => false,
             Support::Clamped => self.bodies.iter().any(|b| poisson(b) != 0.0),
             Support::Rollers => {
                 let alike = same(&poisson) && same(&|b: &Body| YOUNG[b.young]) && self.weight == 0;
@@ -89,7 +89,7 @@ impl Scene {
             Support::Clamped => m.young,
             Support::Rollers if flat => m.young / (1.0 - m.poisson * m.poisson),
             Support::Rollers => m.young,
-            Support::Oedometric => {
+            Support::Oedometric | Support::Boxed => {
                 m.young * (1.0 - m.poisson) / ((1.0 + m.poisson) * (1.0 - 2.0 * m.poisson))
             }
         };
@@ -152,6 +152,12 @@ impl Scene {
             force: weight,
             loaded: self.loaded,
             ends,
+            aside: (self.support == Support::Oedometric || self.support == Support::Boxed).then(
+                || {
+                    let share = |m: &Material| (m.z[1] - m.z[0]) * m.poisson / (1.0 - m.poisson);
+                    materials.iter().map(share).sum::<f64>() * if flat { 1.0 } else { size[1] }
+                },
+            ),
             area: if flat { size[0] } else { size[0] * size[1] },
         });
         // One name for rock that is the same everywhere.
@@ -184,7 +190,8 @@ impl Scene {
 
     /// What the top is moved or loaded by: at the instants, and over time.
     fn ends(&self, stress: f64, length: f64) -> (Vec<f64>, Field) {
-        let unit = 0.25 * if self.loaded { stress } else { length };
+        let unit =
+            0.25 * if self.loaded { stress } else { length } * if self.gentle { 0.1 } else { 1.0 };
         // Dead loads break what they overload.
         let most = if self.loaded && !self.wild { 3 } else { 12 };
         let ends: Vec<f64> = self.path.iter().map(|n| f64::from(*n.min(&most)) * unit).collect();
@@ -209,13 +216,15 @@ impl Scene {
         };
         let sides: Vec<usize> = if flat { vec![0] } else { vec![0, 1] };
         let mut entries = Vec::new();
-        if self.support == Support::Clamped {
+        if matches!(self.support, Support::Clamped | Support::Boxed) {
             entries.push(held((2, false), &[0, 1, 2]));
         } else {
             entries.push(held((2, false), &[2]));
+        }
+        if self.support != Support::Clamped {
             entries.extend(sides.iter().map(|a| held((*a, false), &[*a])));
         }
-        if self.support == Support::Oedometric {
+        if matches!(self.support, Support::Oedometric | Support::Boxed) {
             entries.extend(sides.iter().map(|a| held((*a, true), &[*a])));
         }
         let mut top = Entry { on: Some((2, true)), ..Entry::default() };
@@ -247,11 +256,14 @@ impl Scene {
         for axis in sides.iter().copied().chain([2]).filter(|a| self.at_top(*a)) {
             loads[axis] = Some(along(axis));
         }
+        if self.support == Support::Boxed && !self.loaded {
+            sides.iter().for_each(|a| top.displacement[*a] = Some(Field::constant(0.0)));
+        }
         if let Pores::Flow(_) = self.pores {
             top.pressure = Some(0.0);
         }
         entries.push(top);
-        if self.aside != 0 && self.support != Support::Oedometric {
+        if self.aside != 0 && matches!(self.support, Support::Clamped | Support::Rollers) {
             let mut side = Entry { on: Some((0, true)), ..Entry::default() };
             side.traction[2] = Some(path.scaled(0.0).raised(0.1 * stress * f64::from(self.aside)));
             entries.push(side);

@@ -18,6 +18,8 @@ pub struct Bars {
     /// Displacement or traction of the top at each instant.
     pub ends: Vec<f64>,
     pub area: f64,
+    /// Force on the left over the stress of the column, where the sides are held.
+    pub aside: Option<f64>,
 }
 
 /// What an instant must give.
@@ -27,6 +29,8 @@ pub struct State {
     pub damage: Vec<f64>,
     /// Of the bottom and the top.
     pub reaction: [f64; 2],
+    /// Of the left.
+    pub aside: Option<f64>,
 }
 
 impl Law {
@@ -222,6 +226,7 @@ impl Bars {
             traction: joints.clone().map(|i| top + self.offset(i)).collect(),
             damage: joints.map(|i| self.laws[i].damage(largest[i])).collect(),
             jump,
+            aside: self.aside.filter(|_| self.force == 0.0).map(|share| -share * top),
             reaction: [-bottom * self.area, top * self.area],
         })
     }

@@ -129,6 +129,9 @@ impl<'a> Measure<'a> {
             }
             check("bottom.reaction_z", Kind::Reaction, state.reaction[0]);
             check("top.reaction_z", Kind::Reaction, state.reaction[1]);
+            if let Some(force) = state.aside {
+                check("left.reaction_x", Kind::Reaction, force);
+            }
         }
         told(found)
     }

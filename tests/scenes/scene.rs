@@ -11,6 +11,8 @@ pub enum Support {
     Rollers,
     /// As `Rollers`, right and back too.
     Oedometric,
+    /// Sides as `Oedometric`, bottom and top held in all directions.
+    Boxed,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,6 +54,8 @@ pub struct Scene {
     /// Quarters of what breaks the weakest interface, at 1, 2, ...
     pub path: Vec<i32>,
     pub constant: bool,
+    /// Pulled or pressed little.
+    pub gentle: bool,
     /// Below 0 to and fro.
     pub shear: [i32; 2],
     pub tilt: [i32; 2],
@@ -106,7 +110,12 @@ pub fn scenes() -> impl Strategy<Value = Scene> {
         path
     });
     let path = prop_oneof![path, further];
-    let drive = (loaded, path, prop_oneof![4 => Just(false), 1 => Just(true)]);
+    let drive = (
+        loaded,
+        path,
+        prop_oneof![4 => Just(false), 1 => Just(true)],
+        prop_oneof![3 => Just(false), 1 => Just(true)],
+    );
     let uneven = (
         [seldom(-8..=8), seldom(-8..=8)],
         [seldom(-4..=4), seldom(-4..=4)],
@@ -128,7 +137,7 @@ pub fn scenes() -> impl Strategy<Value = Scene> {
     (shape, across, bodies(), support, drive, uneven, last).prop_map(
         |(shape, (cells, width), bodies, support, drive, uneven, last)| {
             let (solid, second_order, length, modulus) = shape;
-            let (loaded, path, constant) = drive;
+            let (loaded, path, constant, gentle) = drive;
             let (shear, tilt, aside, weight) = uneven;
             let (pores, upright, wild, default_tolerance) = last;
             Scene {
@@ -143,6 +152,7 @@ pub fn scenes() -> impl Strategy<Value = Scene> {
                 loaded,
                 path,
                 constant,
+                gentle,
                 shear,
                 tilt,
                 aside,
@@ -177,7 +187,7 @@ impl Scene {
             words.push(format!("{:?}", self.pores).to_lowercase());
         }
         words.extend(
-            [(self.constant, "constant"), (self.wild, "wild")]
+            [(self.constant, "constant"), (self.gentle, "gentle"), (self.wild, "wild")]
                 .into_iter()
                 .filter(|w| w.0)
                 .map(|w| w.1.into()),
