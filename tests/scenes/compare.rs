@@ -18,8 +18,9 @@ pub struct Measure<'a> {
 }
 
 impl<'a> Measure<'a> {
-    pub fn of(built: &'a Built) -> Self {
-        Self { built, part: AMPLIFICATION * built.case.tolerance }
+    /// For runs of that `solver.tolerance`.
+    pub fn of(built: &'a Built, tolerance: f64) -> Self {
+        Self { built, part: AMPLIFICATION * tolerance }
     }
 
     fn least(&self, kind: Kind) -> f64 {

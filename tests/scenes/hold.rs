@@ -80,10 +80,12 @@ fn exact(built: &Built, known: &mut Known) -> Verdict {
         return Verdict::Skipped("no closed form".into());
     }
     match known.outcome(&built.case) {
-        Outcome::Done(run) => match Measure::of(built).exact_differences(run, &states) {
-            Some(words) => broken(true, words),
-            None => Verdict::Held,
-        },
+        Outcome::Done(run) => {
+            match Measure::of(built, built.case.tolerance).exact_differences(run, &states) {
+                Some(words) => broken(true, words),
+                None => Verdict::Held,
+            }
+        }
         Outcome::Ended(status, words) if whole || never(*status) => {
             broken(false, ended(*status, words))
         }
@@ -126,7 +128,13 @@ fn below(built: &Built, pair: &Pair, known: &mut Known) -> Verdict {
     match known.outcome(&built.case) {
         Outcome::Done(run) => {
             let work: &[&str] = if run.cuts == tied.cuts { &[] } else { &["energy.external"] };
-            match Measure::of(built).differences(run, &tied, &pair.change, work, false) {
+            match Measure::of(built, built.case.tolerance).differences(
+                run,
+                &tied,
+                &pair.change,
+                work,
+                false,
+            ) {
                 Some(words) => broken(true, words),
                 None => Verdict::Held,
             }
@@ -176,7 +184,7 @@ fn agree(
     if let (Relation::Reduced, Some(why)) = (relation, &other.not_reduced) {
         return Verdict::Skipped(format!("no smaller model: {why}"));
     }
-    let measure = Measure::of(built);
+    let measure = Measure::of(built, pair.base.tolerance);
     let cut = one.cuts != other.cuts || relation == Relation::Halves;
     if cut && scene.depends_on_steps(one) {
         return Verdict::Skipped("steps that were cut otherwise".into());

@@ -33,7 +33,7 @@ const FIXED: u64 = 60;
 
 /// Of these, those that are known to find something that is not mended yet: they are told, and do not
 /// fail the test.
-const AWAITED: &[u64] = &[2, 5, 6, 22, 34, 40, 41, 42, 54];
+const AWAITED: &[u64] = &[6, 18, 22, 25, 34, 41, 42, 54];
 
 /// Scenes at the same time: more would fight for the cores.
 const WORKERS: usize = 2;

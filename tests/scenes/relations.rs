@@ -230,6 +230,8 @@ pub fn pair(relation: Relation, scene: &Scene, built: &Built) -> Option<Pair> {
                 *cells = [across, if solid { across } else { 1 }, along * cells[2]];
             }
             large.by_body = false;
+            // What rounding leaves of the forces grows with the cells.
+            large.tolerance = large.tolerance.max(1e-10);
             let mut pair = Pair::set(&large, "reduce=auto");
             pair.base_setting = Setting::with("reduce=never");
             pair.base_setting.fields = true;

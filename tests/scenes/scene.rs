@@ -101,7 +101,7 @@ fn bodies() -> impl Strategy<Value = Vec<Body>> {
 pub fn scenes() -> impl Strategy<Value = Scene> {
     let shape = (any::<bool>(), any::<bool>(), -3..=3_i32, -3..=3_i32);
     let across = ([1..=4_usize, 1..=4_usize], [1..=4_usize, 1..=4_usize]);
-    let support = prop_oneof![2 => Just(Support::Clamped), 1 => Just(Support::Rollers), 1 => Just(Support::Oedometric)];
+    let support = prop_oneof![2 => Just(Support::Clamped), 1 => Just(Support::Rollers), 1 => Just(Support::Oedometric), 1 => Just(Support::Boxed)];
     let loaded = prop_oneof![3 => Just(false), 1 => Just(true)];
     let path = proptest::collection::vec(-4..=12_i32, 1..=4);
     let further = proptest::collection::vec(1..=12_i32, 1..=4).prop_map(|mut path| {
