@@ -5,6 +5,7 @@ use nalgebra::DMatrix;
 use super::Case;
 use super::boundary::{BoundarySpec, Surface};
 use super::interface::InterfaceSpec;
+use super::material::Material;
 use super::mesh::MeshSpec;
 
 impl Case {
@@ -12,6 +13,17 @@ impl Case {
     /// bodies, one sentence for each group of bodies. Local.
     pub fn free_motions(&self, holds: &[bool]) -> Vec<String> {
         free_motions(&self.mesh, &self.interfaces, &self.boundary, self.dim, holds)
+    }
+
+    /// The stiffness of the column against pulling, by area: 1 / sum of height over Young's modulus
+    /// (Pa/m). An interface that softens more steeply snaps back. Local.
+    pub fn axial_stiffness(&self) -> f64 {
+        let height = self.mesh.height();
+        let part = |material: &Material| {
+            let [low, high] = material.z.unwrap_or([0.0, height]);
+            (high.min(height) - low.max(0.0)) / material.young_modulus
+        };
+        1.0 / self.materials.iter().map(part).sum::<f64>()
     }
 }
 
@@ -64,9 +76,18 @@ pub(super) fn free_motions(
             } else {
                 format!("bodies {} to {}", first + 1, last + 1)
             };
+            let beside = [first.checked_sub(1), Some(last)].into_iter().flatten();
+            let mut laws = beside.filter_map(|index| interfaces.get(index)).map(|i| i.law.name());
+            let contact = if laws.any(|law| law == "contact") {
+                "; a contact does not count, also where weight or a traction presses it: in the place \
+                 of the load prescribe the displacement of a surface of that body, or hold it by \
+                 linear_softening with a strength that is small beside the load"
+            } else {
+                ""
+            };
             sentences.push(format!(
                 "{bodies} ({place}) can move freely: {}; prescribe displacements that prevent it, \
-                 or choose a law that holds",
+                 or choose a law that holds{contact}",
                 motions.join(", ")
             ));
         }

@@ -1,6 +1,7 @@
 //! Interfaces: which side carries the multipliers, the jump as rows over nodal values, and the film of
 //! fluid between the lips.
 
+mod cohesive_zone;
 mod film;
 #[cfg(test)]
 mod inf_sup_tests;
@@ -8,6 +9,7 @@ mod jump;
 pub mod mortar;
 mod sides;
 
+pub use cohesive_zone::unresolved_zones;
 pub use film::{Film, FilmState, Fluid};
 pub use jump::{JumpRow, JumpRows, jump_rows};
 pub use sides::Sides;

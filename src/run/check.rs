@@ -7,7 +7,7 @@ use super::resources::disk;
 use crate::bulk::Loads;
 use crate::case::{self, Case, read_text};
 use crate::error::{Error, Result};
-use crate::interface::Sides;
+use crate::interface::{Sides, unresolved_zones};
 use crate::mesh::{Column, LocalMesh};
 use crate::reduce::{NONE_OF_USE, Situation, candidates, refusal};
 use crate::solve::memory::{memory, pressures};
@@ -80,6 +80,10 @@ pub fn describe(case: &Case) -> Result<String> {
             "interface",
             format!("{name} at z = {} m: {law}, multipliers on the {secondary} side", interface.z),
         )?;
+    }
+    let sides = Sides::choose(case, &column);
+    for words in unresolved_zones(case, &column, &sides) {
+        line("warning", words)?;
     }
     line("reduced", reduction(case, &column, unknowns))?;
     line("linear", format!("{}: {}", choice.preset, choice.why))?;

@@ -20,6 +20,7 @@ use crate::cli::{Command, RunOptions};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::fault;
+use crate::interface::unresolved_zones;
 use crate::mesh::{Column, LocalMesh};
 use crate::output::directory::OutputDirectory;
 use crate::output::lock::Lock;
@@ -149,6 +150,11 @@ pub fn run_case(runtime: &Runtime, timers: &Timers, options: &RunOptions) -> Res
         None => OutputDirectory::open(comm, directory, &resolved, options.overwrite)?,
     };
     screen::describe(comm, &case, &model, &reduction);
+    if reduced.is_none() {
+        let unresolved = unresolved_zones(&case, &model.mesh.column, &model.sides);
+        unresolved.iter().for_each(|words| tracing::warn!("warning: {words}"));
+        model.stepper.remarks.extend(unresolved);
+    }
     let solution = Solution { reduction, reduced };
     let mut session = Session::new(comm, timers, &case, directory, state, solution);
     let solved = session.solve(&mut model);

@@ -300,7 +300,9 @@ impl Convergence {
             self.failure = Some(format!("stopped by {signal}"));
             return Ok(Verdict::Diverged);
         }
-        let signature = comm.sum_u64(signature);
+        // On a path the load factor may cycle while the branches stay.
+        let on_path = if control > 0.0 { (1e3 * control.ln()).round().to_bits() } else { 0 };
+        let signature = comm.sum_u64(signature) ^ mix(on_path);
         if self.signatures.last() == Some(&signature) {
             self.part_of_step = 1.0;
         }

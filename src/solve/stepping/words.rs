@@ -1,6 +1,8 @@
 //! Why a step fails, and what may lie behind it, in words.
 
 use super::Stepper;
+use crate::case::{Control, ControlKind, InterfaceSpec};
+use crate::law::InterfaceLaw;
 use crate::petsc::SolveReport;
 
 /// Interfaces by their names, as the subject of a sentence.
@@ -16,28 +18,38 @@ impl Stepper<'_> {
     /// What may lie behind a step that fails however small it is. Collective.
     pub(super) fn advice(&self) -> String {
         let gave_way = self.problem.convergence.interfaces_that_gave_way(self.problem.comm);
-        let names: Vec<&str> = self
-            .case
-            .interfaces
-            .iter()
-            .zip(&gave_way)
-            .filter(|(_, gave_way)| **gave_way)
-            .map(|(interface, _)| interface.name.as_str())
+        if let Some(Control { kind: ControlKind::Opening(_), interface }) = &self.case.control {
+            return format!(
+                "\nwhere the opening of an interface does not grow evenly along the path, control: \
+                 {{dissipation: {{of: {}, step: 0.01}}}} may follow it",
+                self.case.interfaces[*interface].name
+            );
+        }
+        let softens = |law: &dyn InterfaceLaw| law.strength().is_some();
+        let of_cohesive = self.case.interfaces.iter().zip(&gave_way);
+        let gone: Vec<&InterfaceSpec> = of_cohesive
+            .filter(|(interface, gave_way)| **gave_way && softens(interface.law.law()))
+            .map(|(interface, _)| interface)
             .collect();
-        if names.is_empty() || self.problem.path.is_some() {
+        if gone.is_empty() || self.problem.path.is_some() {
             return String::new();
         }
         let holds: Vec<bool> = gave_way.iter().map(|gave_way| !gave_way).collect();
         let free = self.case.free_motions(&holds);
-        let first = names[0];
-        let (is_one, names) = (names.len() == 1, in_words(&names));
+        let names: Vec<&str> = gone.iter().map(|interface| interface.name.as_str()).collect();
+        let (first, is_one, names) = (names[0], names.len() == 1, in_words(&names));
+        let whole = if is_one { "gives way over its" } else { "give way over their" };
         if free.is_empty() {
+            let steepest = gone.iter().filter_map(|i| i.law.law().steepest_softening());
+            let (steepest, column) = (steepest.fold(0.0, f64::max), self.case.axial_stiffness());
+            if steepest < column {
+                return format!("\n{names} {whole} whole area in this step");
+            }
             return format!(
-                "\n{names} {} whole area in this step: if the column \
-                 gives back more energy than the interface takes (snap-back), no step is small \
-                 enough, but control: {{opening: {{of: {first}, equals: ...}}}} follows it; otherwise a \
-                 larger augmentation may help",
-                if is_one { "gives way over its" } else { "give way over their" }
+                "\n{names} {whole} whole area in this step: the column, with {column:.3e} Pa/m, gives \
+                 back more energy than the interface takes, which softens by up to {steepest:.3e} Pa/m \
+                 (snap-back): no step is small enough, but control: {{opening: {{of: {first}, equals: \
+                 ...}}}} follows it"
             );
         }
         format!(
