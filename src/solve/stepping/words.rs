@@ -3,6 +3,7 @@
 use super::Stepper;
 use crate::error::{Error, Result};
 use crate::petsc::SolveReport;
+use crate::solve::held;
 
 impl Stepper<'_> {
     /// What may lie behind a step that fails however small it is. Collective.
@@ -55,17 +56,37 @@ impl Stepper<'_> {
         let holds: Vec<bool> =
             holds.iter().zip(&nodes).map(|(h, n)| *h > 0.0 || *n == 0.0).collect();
         if holds.iter().all(|holds| *holds) {
-            return Ok(());
+            return self.refuse_loose_bodies(time);
         }
         let free = self.case.free_motions(&holds);
         if free.is_empty() {
-            return Ok(());
+            return self.refuse_loose_bodies(time);
         }
         let broken = self.case.interfaces.iter().zip(&holds).filter(|(_, holds)| !**holds);
         let names: Vec<&str> = broken.map(|(interface, _)| interface.name.as_str()).collect();
         Err(Error::Numerics(format!(
             "at time {time} interface {} has ruptured over its whole area: {}",
             names.join(" and "),
+            free.join("; ")
+        )))
+    }
+
+    /// Ends the run when what is left of interfaces that broke in part does not hold a body. Collective.
+    fn refuse_loose_bodies(&self, time: f64) -> Result<()> {
+        let problem = &self.problem;
+        let (all, state) = (&problem.all, &problem.interfaces);
+        let separated = state.response.iter().any(|r| r.branch.is_separated());
+        if !problem.comm.any(separated) {
+            return Ok(());
+        }
+        let column = problem.convergence.column();
+        let free = held::free_motions(problem.comm, self.case, column, all, state);
+        if free.is_empty() {
+            return Ok(());
+        }
+        Err(Error::Numerics(format!(
+            "at time {time} what is left of the interfaces does not hold: {}; prescribe displacements that \
+             prevent it, or choose a law that holds",
             free.join("; ")
         )))
     }
@@ -83,10 +104,10 @@ impl Stepper<'_> {
         };
         // L D L^T goes through an indefinite tangent without a word; its pivots tell.
         let place = self.softening_place();
-        if report.negative_pivots == 0 {
+        let negative = report.negative_pivots.unwrap_or(0);
+        if negative == 0 {
             return words;
         }
-        let negative = report.negative_pivots;
         let place = place.map_or_else(String::new, |place| format!("; {place} softened"));
         format!("{words}; the tangent was indefinite ({negative} negative pivots){place}")
     }
