@@ -4,6 +4,7 @@ mod along_path;
 mod branching;
 mod descent;
 mod persist;
+mod rounding;
 mod start;
 mod words;
 
@@ -224,8 +225,9 @@ impl<'a> Stepper<'a> {
             if step <= smallest {
                 return Err(Error::Numerics(format!(
                     "no solution at time {target}, reached from {} with the smallest step {step:e} \
-                     (after {MOST_HALVINGS} halvings): {why}{}",
+                     (after {MOST_HALVINGS} halvings): {why}{}{}",
                     self.time,
+                    self.rounding_words(),
                     self.advice()
                 )));
             }

@@ -119,6 +119,20 @@ fn a_linear_solver_that_fails_is_told_in_words() {
 }
 
 #[test]
+fn what_rounding_does_not_allow_is_told_with_its_size() {
+    let soft = "materials.rock.elastic.young_modulus=1.0e3";
+    let materials = "materials={soft: {elastic: {young_modulus: 1.0e3, poisson_ratio: 0.2}, z: [0, \
+                     2.5]}, hard: {elastic: {young_modulus: 1.0e11, poisson_ratio: 0.2}, z: [2.5, 5]}}";
+    for (changes, is_told) in [(materials, true), (soft, false)] {
+        let folder = Folder::new();
+        let answer = run(&folder, 1, &[changes, "solver.linear=mumps", "solver.max_newton=9"], &[]);
+        let words = "error: rounding alone leaves about ";
+        assert_eq!(answer.stderr.contains(words), is_told, "{}", answer.stderr);
+        assert_eq!(answer.status, Some(if is_told { 3 } else { 0 }), "{}", answer.stderr);
+    }
+}
+
+#[test]
 fn what_fails_for_any_step_is_told_at_once() {
     let folder = Folder::new();
     let once = ["-pc_type", "hypre"];
