@@ -3,13 +3,15 @@
 //! Every method is collective unless it says that it is local: all ranks call it, in the same
 //! order. Ranks and counts of messages are `i32`, as in MPI; global numbers are `u64`.
 
+mod agreement;
 mod neighbours;
 mod slabs;
 
+pub use agreement::{abort, doubt};
 pub use neighbours::Neighbours;
 pub use slabs::{Rows, first_of, keeper_of};
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use mpi::collective::SystemOperation;
 use mpi::datatype::{Partition, PartitionMut};
 use mpi::environment::Universe;
@@ -20,9 +22,6 @@ use std::rc::Rc;
 
 /// The rank that reads, prints and gathers.
 const ROOT: Rank = 0;
-
-/// Longest error text that is sent to the other ranks, in bytes.
-const LONGEST_TEXT: usize = 4096;
 
 /// Largest piece of one broadcast: counts of MPI are 32 bits.
 const LARGEST_PIECE: usize = 1 << 30;
@@ -88,68 +87,6 @@ impl Comm {
     /// Waits until every rank is here. Collective.
     pub fn barrier(&self) {
         self.mpi().barrier();
-    }
-
-    /// Makes a failure on some ranks a failure on all. Collective.
-    ///
-    /// To be called between local work that can fail and the next collective call.
-    ///
-    /// # Errors
-    /// Kind and text of the lowest rank that failed, on every rank; on more than one rank the text
-    /// names that rank, unless the user's input is at fault. Texts end after 4 KiB.
-    pub fn agree<T>(&self, local: Result<T>) -> Result<T> {
-        self.agree_on(local, self.size() > 1)
-    }
-
-    /// As [`Self::agree`], of work that every rank does by itself alike: none is named. Collective.
-    ///
-    /// # Errors
-    /// Kind and text of the lowest rank that failed, on every rank.
-    pub fn agree_alike<T>(&self, local: Result<T>) -> Result<T> {
-        self.agree_on(local, false)
-    }
-
-    /// Collective.
-    fn agree_on<T>(&self, local: Result<T>, names_rank: bool) -> Result<T> {
-        let none = self.size();
-        let mine = if local.is_err() { self.rank() } else { none };
-        let mut first = none;
-        self.mpi().all_reduce_into(&mine, &mut first, SystemOperation::min());
-        if first == none {
-            return local;
-        }
-        let message = match (&local, self.rank() == first) {
-            (Err(error), true) => self.encode(error, names_rank),
-            _ => Vec::new(),
-        };
-        Err(decode(&self.broadcast_from(first, message)))
-    }
-
-    /// The error as bytes: a letter for its kind, then the text.
-    fn encode(&self, error: &Error, names_rank: bool) -> Vec<u8> {
-        let (kind, text) = match error {
-            Error::Input(text) => (b'i', text),
-            Error::Numerics(text) => (b'n', text),
-            Error::System(text) => (b's', text),
-            Error::Stopped(text) => (b't', text),
-            Error::Bug(text) => (b'b', text),
-        };
-        let mut message = vec![kind];
-        // An error that was agreed on before names the rank it came from.
-        if names_rank && kind != b'i' && !text.starts_with("rank ") {
-            message.extend_from_slice(format!("rank {}: ", self.rank()).as_bytes());
-        }
-        message.extend_from_slice(text.as_bytes());
-        if message.len() > LONGEST_TEXT {
-            let mut end = LONGEST_TEXT;
-            // Not in the middle of a character: its later bytes are 10xx xxxx.
-            while message[end] & 0xc0 == 0x80 {
-                end -= 1;
-            }
-            message.truncate(end);
-            message.extend_from_slice("…".as_bytes());
-        }
-        message
     }
 
     /// Runs `work` on the root; its bytes, or its error, reach every rank. Collective.
@@ -293,17 +230,6 @@ impl Comm {
     }
 }
 
-fn decode(message: &[u8]) -> Error {
-    let text = String::from_utf8_lossy(message.get(1..).unwrap_or_default()).into_owned();
-    match message.first() {
-        Some(b'i') => Error::Input(text),
-        Some(b'n') => Error::Numerics(text),
-        Some(b's') => Error::System(text),
-        Some(b't') => Error::Stopped(text),
-        _ => Error::Bug(text),
-    }
-}
-
 /// A count as MPI wants it.
 fn count(n: usize) -> Rank {
     Rank::try_from(n).expect("a rank's part of a 32-bit problem has a 32-bit count")
@@ -342,13 +268,5 @@ mod tests {
     fn parts_lie_one_after_the_other() {
         assert_eq!(offsets(&[2, 0, 3]), [0, 2, 2]);
         assert_eq!(split(&[1, 2, 3, 4, 5], &[2, 0, 3]), [vec![1, 2], vec![], vec![3, 4, 5]]);
-    }
-
-    #[test]
-    fn an_error_keeps_its_kind_on_the_way() {
-        assert_eq!(decode(b"nno convergence"), Error::Numerics("no convergence".into()));
-        assert_eq!(decode(b"iunknown key"), Error::Input("unknown key".into()));
-        assert_eq!(decode(b"sdisk full"), Error::System("disk full".into()));
-        assert_eq!(decode(b"bnegative count"), Error::Bug("negative count".into()));
     }
 }

@@ -2,14 +2,13 @@
 
 #![allow(unsafe_code)]
 
-use crate::comm::Comm;
+use crate::comm::{Comm, abort};
 use crate::error::{Error, Result};
 use crate::petsc::Petsc;
 use crate::signals;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::Communicator;
 use std::ffi::{c_char, c_int, c_void};
-use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::{env, panic, process, ptr};
 
@@ -77,22 +76,6 @@ static CANNOT_END: AtomicBool = AtomicBool::new(false);
 /// that fails is then ended without. Local; on all ranks or on none.
 pub fn leave_libraries() {
     CANNOT_END.store(true, Ordering::Relaxed);
-}
-
-/// Ends the whole job from one rank, with one message on standard error. Local.
-///
-/// For what cannot be agreed on, such as an error in the middle of a collective call of a library.
-/// A status of 0 becomes 101, since the job did not succeed.
-pub fn abort(status: u8, text: &str) -> ! {
-    let status = if status == 0 { PANIC } else { status };
-    let up = mpi::environment::is_initialized() && !mpi::environment::is_finalized();
-    let rank = if up { SimpleCommunicator::world().rank() } else { 0 };
-    // In one write: lines of several ranks do not mix.
-    let _ = std::io::stderr().write_all(format!("[rank {rank}] {text}\n").as_bytes());
-    if up {
-        SimpleCommunicator::world().abort(status.into());
-    }
-    process::exit(status.into())
 }
 
 /// Makes a panic end the job at once: unwinding would run collective drops that wait for the other

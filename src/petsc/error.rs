@@ -3,6 +3,7 @@
 #![allow(unsafe_code)]
 
 use super::ffi;
+use crate::comm::doubt;
 use crate::error::{Error, Result};
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
@@ -75,7 +76,8 @@ pub(super) fn forget() {
     RECORD.take();
 }
 
-/// The error behind a code that is not 0.
+/// The error behind a code that is not 0. Other ranks may not see it, and wait in the same call for this
+/// one: it is put down as a doubt.
 ///
 /// # Errors
 /// `System` with the call, PETSc's message and its call path.
@@ -95,5 +97,6 @@ pub(super) fn check(code: ffi::PetscErrorCode, call: &str) -> Result<()> {
     for place in record.path {
         let _ = write!(words, "\n    at {place}");
     }
+    doubt(&words);
     Err(Error::System(words))
 }

@@ -2,15 +2,25 @@
 
 #![allow(unsafe_code)]
 
-use super::error::{check, forget, text};
+mod failure;
+mod residual;
+
+pub(super) use failure::mumps_words;
+pub use failure::{LinearFailure, LinearReason};
+pub(super) use residual::{WORTH, Watch};
+
+use super::error::{c_string, check, forget, text};
 use super::ffi;
 use super::vector::{ReadView, WriteView};
+use crate::comm::Comm;
 use crate::error::{Error, Result};
-use std::fmt;
 use std::ptr;
 
 /// Reduction of the residual of further systems.
 const FURTHER: f64 = 1e-12;
+
+/// Vectors that GMRES keeps where it takes the place of conjugate gradients.
+const RESTART: i32 = 200;
 
 /// Options of PETSc (name without the dash and the prefix, value) that hold where the user has not
 /// set the same option.
@@ -26,78 +36,6 @@ impl KspSetup {
         let owned = |&(name, value): &(&str, &str)| (name.to_string(), value.to_string());
         KspSetup { options: options.iter().map(owned).collect() }
     }
-}
-
-/// Why a linear solve failed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LinearReason {
-    /// The limit of iterations was reached.
-    Iterations,
-    /// The residual grew.
-    Grew,
-    /// The Krylov method broke down.
-    Breakdown,
-    /// The method needs a symmetric matrix.
-    NotSymmetric,
-    /// Conjugate gradients met a direction of no or negative curvature.
-    IndefiniteMatrix,
-    /// The preconditioner has a negative or zero direction.
-    IndefinitePreconditioner,
-    /// The residual is not a number.
-    NotANumber,
-    /// The preconditioner or the factorisation could not be built or applied.
-    Preconditioner,
-    /// A code of PETSc that has no name here.
-    Other(i32),
-}
-
-impl LinearReason {
-    fn from_code(code: ffi::KSPConvergedReason) -> Self {
-        match code {
-            ffi::KSP_DIVERGED_ITS => LinearReason::Iterations,
-            ffi::KSP_DIVERGED_DTOL => LinearReason::Grew,
-            ffi::KSP_DIVERGED_BREAKDOWN | ffi::KSP_DIVERGED_BREAKDOWN_BICG => {
-                LinearReason::Breakdown
-            }
-            ffi::KSP_DIVERGED_NONSYMMETRIC => LinearReason::NotSymmetric,
-            ffi::KSP_DIVERGED_INDEFINITE_PC => LinearReason::IndefinitePreconditioner,
-            ffi::KSP_DIVERGED_NANORINF => LinearReason::NotANumber,
-            ffi::KSP_DIVERGED_INDEFINITE_MAT => LinearReason::IndefiniteMatrix,
-            ffi::KSP_DIVERGED_PC_FAILED => LinearReason::Preconditioner,
-            other => LinearReason::Other(other),
-        }
-    }
-}
-
-impl fmt::Display for LinearReason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            LinearReason::Iterations => "the limit of iterations was reached",
-            LinearReason::Grew => "the residual grew instead of falling",
-            LinearReason::Breakdown => "the Krylov method broke down",
-            LinearReason::NotSymmetric => "the tangent is not symmetric",
-            LinearReason::IndefiniteMatrix => "the tangent is indefinite",
-            LinearReason::IndefinitePreconditioner => "the preconditioner is indefinite",
-            LinearReason::NotANumber => "the residual is not a number",
-            LinearReason::Preconditioner => "the preconditioner or factorisation failed",
-            LinearReason::Other(code) => return write!(f, "PETSc's reason {code}"),
-        })
-    }
-}
-
-/// A linear solve that failed.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LinearFailure {
-    /// Why.
-    pub reason: LinearReason,
-    /// Why, in words, with what the preconditioner and MUMPS say.
-    pub words: String,
-    /// Iterations of this solve.
-    pub iterations: usize,
-    /// Last residual norm that the method computed.
-    pub residual: f64,
-    /// `INFOG(1)` of MUMPS, where its factors are the preconditioner.
-    pub mumps: Option<i32>,
 }
 
 /// The linear solver of a `Snes`, borrowed from it.
@@ -213,15 +151,17 @@ impl Ksp {
     fn solve_into(self, b: ffi::Vec, x: ffi::Vec, rhs: &[f64], solution: &mut [f64]) -> Result<()> {
         // SAFETY: a valid vector that nothing else uses.
         unsafe { WriteView::new(b) }?.copy_from_slice(rhs);
+        let mut norm = 0.0;
+        // SAFETY: a valid vector.
+        check(unsafe { ffi::VecNorm(b, ffi::NORM_2, &mut norm) }, "VecNorm")?;
         loop {
             // SAFETY: a valid solver with operators, and two different valid vectors.
             check(unsafe { ffi::KSPSolve(self.raw, b, x) }, "KSPSolve")?;
             let Some(failure) = self.failure()? else { break };
-            let indefinite = matches!(
-                failure.reason,
-                LinearReason::IndefiniteMatrix | LinearReason::IndefinitePreconditioner
-            );
-            if !(indefinite && self.type_name()? == "cg") {
+            if self.serves(&failure, norm) {
+                break;
+            }
+            if !(failure.is_indefinite() && self.type_name()? == "cg") {
                 return Err(Error::Numerics(format!(
                     "the linear solver failed: {}",
                     failure.words
@@ -229,16 +169,33 @@ impl Ksp {
             }
             // SAFETY: a valid solver and the name of a type.
             check(unsafe { ffi::KSPSetType(self.raw, c"gmres".as_ptr()) }, "KSPSetType")?;
+            // SAFETY: a valid solver, of the type for which this is meant.
+            let code = unsafe { ffi::KSPGMRESSetRestart(self.raw, RESTART) };
+            check(code, "KSPGMRESSetRestart")?;
         }
+        self.refuse_what_is_left(norm)?;
         // SAFETY: a valid vector that nothing else uses.
         solution.copy_from_slice(&unsafe { ReadView::new(x) }?);
         Ok(())
     }
 
-    /// Forgets preconditioner and factors; the options stay.
-    pub(super) fn reset(self) -> Result<()> {
-        // SAFETY: a valid solver; SNES gives it its matrix again before the next solve.
-        check(unsafe { ffi::KSPReset(self.raw) }, "KSPReset")
+    /// A new linear solver in the place of that of `snes`, as the options of `prefix` say: in PETSc 3.18
+    /// a preconditioner of algebraic multigrid is not as new after `KSPReset`. Collective.
+    ///
+    /// # Safety
+    /// `snes` is a valid solver, and outlives what is returned; the solver it had is used no more.
+    pub(super) unsafe fn renewed(snes: ffi::SNES, comm: &Comm, prefix: &str) -> Result<Self> {
+        let (mut raw, prefix) = (ptr::null_mut(), c_string(prefix)?);
+        // SAFETY: PETSc is initialised and the communicator alive; a valid solver by the contract, which
+        // takes a reference to the new one; PETSc copies the prefix.
+        unsafe {
+            check(ffi::KSPCreate(comm.raw(), &mut raw), "KSPCreate")?;
+            check(ffi::KSPSetOptionsPrefix(raw, prefix.as_ptr()), "KSPSetOptionsPrefix")?;
+            check(ffi::KSPSetFromOptions(raw), "KSPSetFromOptions")?;
+            check(ffi::SNESSetKSP(snes, raw), "SNESSetKSP")?;
+            check(ffi::KSPDestroy(&mut raw), "KSPDestroy")?;
+            Self::of(snes)
+        }
     }
 
     pub(super) fn iterations(self) -> Result<usize> {
@@ -265,8 +222,37 @@ impl Ksp {
         Ok(unsafe { text(name) })
     }
 
+    /// Pivots below zero of L D L^T by MUMPS, the negative eigenvalues of the tangent; `None` where there
+    /// is no such factor, or where several ranks factor the last part together (`ICNTL(13)` other than
+    /// 1), whose pivots MUMPS does not count.
+    pub(super) fn negative_pivots(self, ranks: i32) -> Result<Option<usize>> {
+        if self.pc_type_name()? != "cholesky" {
+            return Ok(None);
+        }
+        let Some(factor) = self.mumps_factor()? else { return Ok(None) };
+        let mut together = 0;
+        // SAFETY: a factor by MUMPS.
+        let code = unsafe { ffi::MatMumpsGetIcntl(factor, 13, &mut together) };
+        check(code, "MatMumpsGetIcntl")?;
+        if ranks > 1 && together != 1 {
+            return Ok(None);
+        }
+        // INFOG(12) of L D L^T: pivots below zero.
+        Ok(self.mumps_infog(12)?.map(|n| usize::try_from(n).unwrap_or(0)))
+    }
+
     /// `INFOG(i)` of MUMPS; `None` when the preconditioner is no factor by MUMPS.
     pub(super) fn mumps_infog(self, i: i32) -> Result<Option<i32>> {
+        let Some(factor) = self.mumps_factor()? else { return Ok(None) };
+        let mut value = 0;
+        // SAFETY: a factor by MUMPS, which PETSc checks once more.
+        let code = unsafe { ffi::MatMumpsGetInfog(factor, i, &mut value) };
+        check(code, "MatMumpsGetInfog")?;
+        Ok(Some(value))
+    }
+
+    /// The factor by MUMPS; `None` when the preconditioner is none.
+    fn mumps_factor(self) -> Result<Option<ffi::Mat>> {
         if !matches!(self.pc_type_name()?.as_str(), "lu" | "cholesky") {
             return Ok(None);
         }
@@ -286,81 +272,6 @@ impl Ksp {
             forget();
             return Ok(None);
         }
-        let mut value = 0;
-        // SAFETY: a factor by MUMPS, which PETSc checks once more.
-        let code = unsafe { ffi::MatMumpsGetInfog(factor, i, &mut value) };
-        check(code, "MatMumpsGetInfog")?;
-        Ok(Some(value))
-    }
-
-    /// How the last solve failed, if it did.
-    pub(super) fn failure(self) -> Result<Option<LinearFailure>> {
-        let (mut code, mut residual) = (0, 0.0);
-        // SAFETY: a valid solver.
-        let status = unsafe { ffi::KSPGetConvergedReason(self.raw, &mut code) };
-        check(status, "KSPGetConvergedReason")?;
-        if code >= 0 {
-            return Ok(None);
-        }
-        // SAFETY: a valid solver.
-        let status = unsafe { ffi::KSPGetResidualNorm(self.raw, &mut residual) };
-        check(status, "KSPGetResidualNorm")?;
-        let reason = LinearReason::from_code(code);
-        let iterations = self.iterations()?;
-        let words = match reason {
-            LinearReason::Preconditioner => format!("{reason}: {}", self.preconditioner_words()?),
-            LinearReason::Iterations => {
-                format!("{reason} ({iterations}, residual {residual:.3e}): -ksp_max_it raises it")
-            }
-            LinearReason::NotANumber => match self.mumps_infog(1)? {
-                Some(infog) if infog < 0 => format!("{reason}: {}", self.preconditioner_words()?),
-                _ => reason.to_string(),
-            },
-            _ => format!("{reason} (iteration {iterations}, residual {residual:.3e})"),
-        };
-        let mumps = self.mumps_infog(1)?;
-        Ok(Some(LinearFailure { reason, words, iterations, residual, mumps }))
-    }
-
-    fn preconditioner_words(self) -> Result<String> {
-        let (pc, mut reason) = (self.pc()?, 0);
-        // SAFETY: a valid preconditioner.
-        check(unsafe { ffi::PCGetFailedReason(pc, &mut reason) }, "PCGetFailedReason")?;
-        let words = match reason {
-            ffi::PC_FACTOR_STRUCT_ZEROPIVOT => "the tangent is singular (by its pattern)",
-            ffi::PC_FACTOR_NUMERIC_ZEROPIVOT => "the tangent is singular (zero pivot)",
-            ffi::PC_FACTOR_OUTMEMORY => "not enough memory for the factors",
-            ffi::PC_FACTOR_OTHER => "the factorisation failed",
-            ffi::PC_SUBPC_ERROR => "a part of the preconditioner failed",
-            ffi::PC_INCONSISTENT_RHS => "the right-hand side does not fit a singular tangent",
-            _ => "it could not be set up",
-        };
-        let kind = self.pc_type_name()?;
-        let mumps = match (self.mumps_infog(1)?, self.mumps_infog(2)?) {
-            (Some(first), Some(second)) if first < 0 => {
-                format!("; MUMPS INFOG(1) = {first}, INFOG(2) = {second}: {}", mumps_words(first))
-            }
-            _ => String::new(),
-        };
-        Ok(format!("{words} ({kind}{mumps})"))
-    }
-}
-
-/// MUMPS's error codes (MUMPS 5.5 users' guide, section 8).
-fn mumps_words(infog: i32) -> &'static str {
-    match infog {
-        -6 => "the matrix is structurally singular; INFOG(2) is its rank",
-        -10 => "the matrix is numerically singular; INFOG(2) pivots were found",
-        -8 | -9 | -14 | -15 | -17 | -20 => {
-            "a work array is too small: raise -mat_mumps_icntl_14 (percent of extra space)"
-        }
-        -5 | -7 | -13 => {
-            "memory could not be had; INFOG(2) is the size (if negative, in millions): use more \
-             nodes, or an iterative solver"
-        }
-        -19 => "the limit of memory in -mat_mumps_icntl_23 is too low",
-        -40 => "the matrix is not positive definite",
-        -90 => "an error in out-of-core files",
-        _ => "see the users' guide of MUMPS, section on error codes",
+        Ok(Some(factor))
     }
 }

@@ -20,9 +20,9 @@ pub use matrix::Matrix;
 pub use multigrid::{MultigridLevel, Smoother};
 pub use options::refused_option;
 pub use session::{Petsc, Stage};
-pub use shell::LinearOperator;
+pub use shell::{LinearOperator, Preconditioner};
 pub use snes::{
-    FurtherSolve, LinearTolerance, NonlinearSystem, Snes, SnesReason, SolveReport, TangentAt,
+    FurtherSolve, LinearTolerance, NonlinearSystem, Ran, Snes, SnesReason, SolveReport, TangentAt,
     TangentChange, Trial, Verdict,
 };
 pub use vector::{ReadView, Vector, WriteView};

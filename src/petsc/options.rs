@@ -37,6 +37,24 @@ pub fn refused_option<'w>(words: impl Iterator<Item = &'w str>) -> Option<&'w st
     None
 }
 
+/// The options of a text, names without the dash and values, empty for flags. Local.
+pub(super) fn options_in(text: &str) -> Vec<(String, String)> {
+    let mut options: Vec<(String, String)> = Vec::new();
+    for word in text.split_whitespace() {
+        match (word.strip_prefix('-'), options.last_mut()) {
+            (Some(name), _) if word.parse::<f64>().is_err() => {
+                options.push((name.to_owned(), String::new()));
+            }
+            (_, Some((_, value))) => {
+                let space = if value.is_empty() { "" } else { " " };
+                *value += &format!("{space}{word}");
+            }
+            (_, None) => {}
+        }
+    }
+    options
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -60,5 +78,12 @@ mod tests {
         {
             assert_eq!(refused(text), None, "{text}");
         }
+    }
+
+    #[test]
+    fn options_have_the_words_up_to_the_next_as_their_values() {
+        let found = options_in("-ksp_view -shift -1e-3 -list a b\n");
+        let found: Vec<_> = found.iter().map(|(n, v)| (n.as_str(), v.as_str())).collect();
+        assert_eq!(found, [("ksp_view", ""), ("shift", "-1e-3"), ("list", "a b")]);
     }
 }

@@ -4,7 +4,7 @@
 
 use super::error::{c_string, check, record, text};
 use super::ffi;
-use super::options::refused_option;
+use super::options::{options_in, refused_option};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
 use std::cell::RefCell;
@@ -32,6 +32,9 @@ struct Session {
     /// Log stages by name: PETSc takes each name once.
     stages: RefCell<BTreeMap<String, c_int>>,
 }
+
+/// Options that every run gives to PETSc: no files of options, no handler of signals.
+const FIXED: [&str; 2] = ["skip_petscrc", "no_signal_handler"];
 
 /// Refuses options that run or read something else.
 fn refuse<'w>(words: impl Iterator<Item = &'w str>) -> Result<()> {
@@ -64,11 +67,13 @@ impl Petsc {
         check_version()?;
         let comm = comm.duplicate();
         let command_line = options.iter().map(|o| c_string(o)).collect::<Result<Vec<_>>>()?;
-        let fixed = [c"column-hpc", c"-skip_petscrc", c"-no_signal_handler"];
+        let program = c_string("column-hpc")?;
+        let fixed = FIXED.iter().map(|name| c_string(&format!("-{name}")));
+        let fixed = std::iter::once(Ok(program)).chain(fixed).collect::<Result<Vec<_>>>()?;
         // PETSc keeps argv for as long as it runs: leaked.
         let mut argv: Vec<*mut c_char> = fixed
             .into_iter()
-            .map(|argument| argument.to_owned().into_raw())
+            .map(CString::into_raw)
             .chain(command_line.iter().map(|option| option.clone().into_raw()))
             .collect();
         let mut argc = c_int::try_from(argv.len())
@@ -176,6 +181,26 @@ impl Petsc {
     /// # Errors
     /// `System` when PETSc cannot list the options.
     pub fn has_option(&self, name: &str) -> Result<bool> {
+        let all = options_in(&self.all_options()?);
+        Ok(all.iter().any(|(option, _)| option.eq_ignore_ascii_case(name)))
+    }
+
+    /// The options of the user, of the command line, the case and the environment, as `-name` or
+    /// `-name value`. Local.
+    ///
+    /// # Errors
+    /// `System` when PETSc cannot list the options.
+    pub fn user_options(&self) -> Result<Vec<String>> {
+        let defaults = self.session.defaults.borrow();
+        let is_ours =
+            |name: &str| FIXED.contains(&name) || defaults.contains(&name.to_ascii_lowercase());
+        let all = options_in(&self.all_options()?);
+        let of_user = all.into_iter().filter(|(name, _)| !is_ours(name));
+        Ok(of_user.map(|(name, value)| format!("-{name} {value}").trim_end().to_owned()).collect())
+    }
+
+    /// All options, as on a command line.
+    fn all_options(&self) -> Result<String> {
         let mut list = ptr::null_mut();
         // SAFETY: PETSc is initialised and fills `list` with a string of its own.
         let code = unsafe { ffi::PetscOptionsGetAll(ptr::null_mut(), &mut list) };
@@ -189,10 +214,7 @@ impl Petsc {
             // SAFETY: `list` comes from PETSc's allocator and is not used afterwards.
             check(unsafe { free(list.cast(), 0, function, file) }, "PetscFree")?;
         }
-        Ok(all
-            .split_whitespace()
-            .filter_map(|word| word.strip_prefix('-'))
-            .any(|word| word.eq_ignore_ascii_case(name)))
+        Ok(all)
     }
 
     /// The user's options that nothing has asked for so far, as `-name` or `-name value`. Local.

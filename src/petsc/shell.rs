@@ -27,8 +27,19 @@ pub trait LinearOperator {
     }
 }
 
+/// A preconditioner of ours. Slices hold the entries that this rank owns.
+pub trait Preconditioner {
+    /// z = M^-1 r. Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails; it ends the linear solve.
+    fn apply(&self, r: &[f64], z: &mut [f64]) -> Result<()>;
+}
+
 /// What a shell matrix points to.
 type Shared = Rc<dyn LinearOperator>;
+/// What a shell preconditioner points to.
+type SharedPreconditioner = Rc<dyn Preconditioner>;
 
 impl Matrix {
     /// A matrix that has no entries and acts as `operator`, from `columns` to `rows` owned entries
@@ -96,12 +107,12 @@ impl Snes {
     ///
     /// # Errors
     /// `System` when PETSc fails.
-    pub fn precondition_by(&mut self, operator: Rc<dyn LinearOperator>) -> Result<()> {
+    pub fn precondition_by(&mut self, operator: Rc<dyn Preconditioner>) -> Result<()> {
         if self.pc_type()? != "shell" {
             return Ok(());
         }
         let pc = self.pc()?;
-        let context = Box::into_raw(Box::<Shared>::new(operator)).cast::<c_void>();
+        let context = Box::into_raw(Box::<SharedPreconditioner>::new(operator)).cast::<c_void>();
         // SAFETY: a valid preconditioner of the right type; the context belongs to it from now on.
         unsafe {
             check(ffi::PCShellSetContext(pc, context), "PCShellSetContext")?;
@@ -115,12 +126,12 @@ impl Snes {
 ///
 /// # Safety
 /// `pc` is one that [`Snes::precondition_by`] has set up; PETSc keeps it until it destroys it.
-unsafe fn context_of(pc: ffi::PC) -> Result<*mut Shared> {
+unsafe fn context_of(pc: ffi::PC) -> Result<*mut SharedPreconditioner> {
     let mut context: *mut c_void = ptr::null_mut();
     let address = (&raw mut context).cast::<c_void>();
     // SAFETY: valid by the contract; PETSc writes the pointer that it was given.
     check(unsafe { ffi::PCShellGetContext(pc, address) }, "PCShellGetContext")?;
-    Ok(context.cast::<Shared>())
+    Ok(context.cast::<SharedPreconditioner>())
 }
 
 /// # Safety
@@ -129,11 +140,10 @@ unsafe fn context_of(pc: ffi::PC) -> Result<*mut Shared> {
 unsafe extern "C" fn precondition(pc: ffi::PC, x: ffi::Vec, y: ffi::Vec) -> ffi::PetscErrorCode {
     let work = || {
         // SAFETY: PETSc lends a valid preconditioner and two different valid vectors during the call;
-        // the context is a boxed `Shared`, which lives as long as the preconditioner.
+        // the context is a boxed `SharedPreconditioner`, which lives as long as the preconditioner.
         let (operator, x, mut y) =
             unsafe { (Rc::clone(&*context_of(pc)?), ReadView::new(x)?, WriteView::new(y)?) };
-        operator.multiply(&x, &mut y);
-        Ok(())
+        operator.apply(&x, &mut y)
     };
     answer(work())
 }

@@ -2,11 +2,14 @@
 
 #![allow(unsafe_code)]
 
+mod again;
 mod callbacks;
+mod ran;
 mod report;
 mod system;
 mod tangent;
 
+pub use ran::Ran;
 pub use report::{SnesReason, SolveReport};
 pub use system::{FurtherSolve, LinearTolerance, NonlinearSystem, TangentChange, Trial, Verdict};
 pub use tangent::TangentAt;
@@ -181,12 +184,12 @@ impl Snes {
                 self.matrix.owned_rows()
             )));
         }
-        if self.failed && !self.has_levels {
+        if std::mem::take(&mut self.failed) {
             // MUMPS refuses to use a factor again after a failure.
-            self.ksp.reset()?;
-            self.failed = false;
+            self.forget_factors()?;
         }
-        let mut context = Context::new(system, &mut self.matrix, self.ksp, self.user);
+        let ranks = self.petsc.comm().size();
+        let mut context = Context::new(system, &mut self.matrix, (self.ksp, ranks), self.user);
         let address = (&raw mut context).cast::<c_void>();
         // SAFETY: the context lives until `uninstall`, and only callbacks use it meanwhile.
         let installed = unsafe { install::<S>(self.raw, &self.residual, address) };
@@ -197,19 +200,24 @@ impl Snes {
         };
         // SAFETY: as above; a callback without a context does nothing but fail.
         let uninstalled = unsafe { install::<S>(self.raw, &self.residual, ptr::null_mut()) };
-        let Context { error, stopped, negative_pivots, .. } = context;
+        let Context { error, stopped, negative_pivots, unsolved, .. } = context;
         if let Some(error) = error {
             // PETSc's own account of it says only that a callback failed.
             forget();
             return Err(error);
         }
-        installed?;
-        check(code, "SNESSolve")?;
-        uninstalled?;
-        self.report(stopped, negative_pivots)
+        let solved = installed.and(check(code, "SNESSolve")).and(uninstalled);
+        // What follows from the solve is decided by all ranks or none.
+        self.petsc.comm().agree(solved)?;
+        self.report(stopped, negative_pivots, unsolved)
     }
 
-    fn report(&mut self, stopped: bool, negative_pivots: usize) -> Result<SolveReport> {
+    fn report(
+        &mut self,
+        stopped: bool,
+        negative_pivots: Option<usize>,
+        unsolved: Option<LinearFailure>,
+    ) -> Result<SolveReport> {
         let (mut code, mut iterations, mut linear) = (0, 0, 0);
         // SAFETY: a valid solver.
         let status = unsafe { ffi::SNESGetConvergedReason(self.raw, &mut code) };
@@ -221,8 +229,10 @@ impl Snes {
         let status = unsafe { ffi::SNESGetLinearSolveIterations(self.raw, &mut linear) };
         check(status, "SNESGetLinearSolveIterations")?;
         let reason = SnesReason::from_code(code, stopped);
-        let failing_linear =
-            if reason == SnesReason::LinearSolve { self.ksp.failure()? } else { None };
+        let failing_linear = match unsolved {
+            None if reason == SnesReason::LinearSolve => self.ksp.failure()?,
+            unsolved => unsolved,
+        };
         self.failed = failing_linear.is_some();
         Ok(SolveReport {
             reason,
@@ -231,43 +241,6 @@ impl Snes {
             failing_linear,
             negative_pivots,
         })
-    }
-
-    /// After a linear solve that failed because conjugate gradients met an indefinite tangent,
-    /// as softening makes it: takes GMRES from now on, unless the user has chosen the method.
-    /// Tells whether it did, so that the solve is worth another try. Collective.
-    ///
-    /// # Errors
-    /// `System` when PETSc fails.
-    pub fn try_indefinite(&mut self, report: &SolveReport) -> Result<bool> {
-        use super::linear::LinearReason::{IndefiniteMatrix, IndefinitePreconditioner};
-        let indefinite =
-            |f: &LinearFailure| matches!(f.reason, IndefiniteMatrix | IndefinitePreconditioner);
-        let method = format!("{}ksp_type", self.prefix);
-        let ours = self.defaults.contains(&method) && self.ksp_type()? == "cg";
-        if !ours || !report.failing_linear.as_ref().is_some_and(indefinite) {
-            return Ok(false);
-        }
-        self.petsc.set_option(&method, "gmres")?;
-        let restart = format!("{}ksp_gmres_restart", self.prefix);
-        if self.petsc.set_default(&restart, "200")? {
-            self.defaults.push(restart);
-        }
-        // SAFETY: a valid solver.
-        check(unsafe { ffi::SNESSetFromOptions(self.raw) }, "SNESSetFromOptions")?;
-        Ok(true)
-    }
-
-    /// After a factorisation for which MUMPS had too little work space: gives it several times as
-    /// much from now on, unless the user has said how much. Tells whether it did. Collective.
-    ///
-    /// # Errors
-    /// `System` when PETSc fails.
-    pub fn try_more_work_space(&mut self, report: &SolveReport) -> Result<bool> {
-        match &report.failing_linear {
-            Some(failure) => self.give_more_work_space(failure.mumps),
-            None => Ok(false),
-        }
     }
 
     /// The smoothers of multigrid, from the level above the coarsest. Local.

@@ -115,6 +115,26 @@ pub struct LinearSolver {
     pub choice: String,
     /// Why it was chosen.
     pub why: String,
+    /// What PETSc solved with in the end, that of all unknowns first; none where nothing was solved.
+    pub ran: Vec<Ran>,
+    /// Options of PETSc from the command line, the case and the environment.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub petsc_options: Vec<String>,
+}
+
+/// A linear solver as PETSc has it at the end of a run.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Ran {
+    /// Prefix of its options.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub prefix: String,
+    /// Type of the method (`-ksp_type`).
+    pub method: String,
+    /// Type of the preconditioner (`-pc_type`).
+    pub preconditioner: String,
+    /// The package that factors, or what of hypre is used.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub package: Option<String>,
 }
 
 /// How the model was shared out.
@@ -212,7 +232,12 @@ mod tests {
             instabilities: Vec::new(),
             bifurcations: Vec::new(),
             remarks: Vec::new(),
-            linear_solver: LinearSolver { choice: "mumps".into(), why: "small".into() },
+            linear_solver: LinearSolver {
+                choice: "mumps".into(),
+                why: "small".into(),
+                ran: Vec::new(),
+                petsc_options: Vec::new(),
+            },
             timings: Timings::default(),
             peak_memory_bytes: Some(1),
             partition: Partition {

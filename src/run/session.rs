@@ -16,7 +16,7 @@ use crate::output::history::{History, Table};
 use crate::output::publisher::Publisher;
 use crate::reduce::Reduction;
 use crate::report::expectations::{Outcome, evaluate};
-use crate::report::{LeftOut, LinearSolver, Model as Modelled, Partition, Report, Status};
+use crate::report::{LeftOut, LinearSolver, Model as Modelled, Partition, Ran, Report, Status};
 use crate::report::{memory, tables, versions};
 use crate::runtime::Runtime;
 use crate::signals;
@@ -253,6 +253,7 @@ impl<'a> Session<'a> {
         for warning in &warnings {
             tracing::warn!("warning: {warning}");
         }
+        let linear_solver = linear_solver(runtime, model)?;
         fault::strike_values(self.comm, "report", &mut self.residual_norms)?;
         let report = self.history.as_ref().map(|history| Report {
             status,
@@ -269,10 +270,7 @@ impl<'a> Session<'a> {
             instabilities: model.stepper.instabilities_in_words(),
             bifurcations: model.stepper.bifurcations_in_words(),
             remarks: model.stepper.remarks(),
-            linear_solver: LinearSolver {
-                choice: model.choice.preset.into(),
-                why: model.choice.why.clone(),
-            },
+            linear_solver: linear_solver.clone(),
             timings,
             peak_memory_bytes: memory,
             partition,
@@ -352,6 +350,24 @@ fn modelled(case: &Case) -> Modelled {
             })
             .collect(),
     }
+}
+
+/// The linear solver that was chosen, and what ran. Local.
+fn linear_solver(runtime: &Runtime, model: &Model<'_>) -> Result<LinearSolver> {
+    let nothing = model.choice.options.is_empty();
+    let ran = if nothing { Vec::new() } else { model.stepper.ran()? };
+    let ran = ran.into_iter().map(|r| Ran {
+        prefix: r.prefix,
+        method: r.method,
+        preconditioner: r.preconditioner,
+        package: r.package,
+    });
+    Ok(LinearSolver {
+        choice: model.choice.preset.into(),
+        why: model.choice.why.clone(),
+        ran: ran.collect(),
+        petsc_options: runtime.petsc.user_options()?,
+    })
 }
 
 /// How cells and interface nodes are shared out. Collective.

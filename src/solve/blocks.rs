@@ -28,7 +28,9 @@ use crate::assembly::{FilmTangent, NodeState, PoreSpace, TangentOperator, WholeV
 use crate::bulk::{FlowStep, PorousCell};
 use crate::comm::Comm;
 use crate::error::Result;
-use crate::petsc::{LinearOperator, NonlinearSystem, Petsc, Snes, TangentChange, Vector};
+use crate::petsc::{
+    LinearOperator, NonlinearSystem, Petsc, Preconditioner, Ran, Snes, TangentChange, Vector,
+};
 
 /// A block of the preconditioner: a solver that is only asked for its preconditioner.
 pub struct Block {
@@ -44,17 +46,15 @@ impl Block {
         Ok(Self { solver, from, to })
     }
 
-    /// z = the preconditioner times r; not numbers where PETSc fails, which ends the linear solve.
-    pub(super) fn apply(&mut self, r: &[f64], z: &mut [f64]) {
-        let mut work = || -> Result<()> {
-            self.from.write()?.copy_from_slice(r);
-            self.solver.apply_preconditioner(&self.from, &mut self.to)?;
-            z.copy_from_slice(&self.to.read()?);
-            Ok(())
-        };
-        if work().is_err() {
-            z.fill(f64::NAN);
-        }
+    /// z = the preconditioner times r. Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub(super) fn apply(&mut self, r: &[f64], z: &mut [f64]) -> Result<()> {
+        self.from.write()?.copy_from_slice(r);
+        self.solver.apply_preconditioner(&self.from, &mut self.to)?;
+        z.copy_from_slice(&self.to.read()?);
+        Ok(())
     }
 }
 
@@ -118,6 +118,15 @@ impl Blocks {
             has_pressures,
             holds: Cell::new(false),
         })
+    }
+
+    /// The solvers that are used, with what PETSc makes of them. Local.
+    pub(super) fn ran(&self) -> Result<Vec<Ran>> {
+        let mechanics = || self.mechanics.borrow().solver.ran();
+        match &self.beside {
+            Beside::Flow(flow) => Ok(vec![mechanics()?, flow.borrow().solver.ran()?]),
+            Beside::Whole(whole) => Ok(vec![whole.borrow().block.solver.ran()?]),
+        }
     }
 
     /// Whether the fields are split, rather than eliminated together.
@@ -233,32 +242,32 @@ impl LinearOperator for Operator {
     }
 }
 
-/// The preconditioner.
-struct Preconditioner(Rc<Blocks>);
+/// The blocks as the preconditioner.
+struct Triangular(Rc<Blocks>);
 
-impl LinearOperator for Preconditioner {
-    fn multiply(&self, r: &[f64], z: &mut [f64]) {
+impl Preconditioner for Triangular {
+    fn apply(&self, r: &[f64], z: &mut [f64]) -> Result<()> {
         let Self(blocks) = self;
         let ((ru, rp), (zu, zp)) = (r.split_at(blocks.split), z.split_at_mut(blocks.split));
         if !blocks.is_coupled() {
-            blocks.mechanics.borrow_mut().apply(ru, zu);
+            blocks.mechanics.borrow_mut().apply(ru, zu)?;
             zp.iter_mut().zip(rp).for_each(|(z, r)| *z = r / blocks.diagonal);
-            return;
+            return Ok(());
         }
         let flow = match &blocks.beside {
             Beside::Whole(whole) => return whole.borrow_mut().apply(r, z),
             Beside::Flow(flow) => flow,
         };
-        flow.borrow_mut().apply(rp, zp);
+        flow.borrow_mut().apply(rp, zp)?;
         zp.iter_mut().for_each(|z| *z = -*z);
         blocks.for_identity_rows(|node| zp[node] = rp[node] / blocks.diagonal);
         let mut force = ru.to_vec();
         blocks.add_forces(&blocks.pressures(zp), &mut force);
-        blocks.mechanics.borrow_mut().apply(&force, zu);
+        blocks.mechanics.borrow_mut().apply(&force, zu)
     }
 }
 
 /// The operator of the linear systems and its preconditioner, for PETSc.
-pub fn operators(blocks: &Rc<Blocks>) -> [Rc<dyn LinearOperator>; 2] {
-    [Rc::new(Operator(Rc::clone(blocks))), Rc::new(Preconditioner(Rc::clone(blocks)))]
+pub fn operators(blocks: &Rc<Blocks>) -> (Rc<dyn LinearOperator>, Rc<dyn Preconditioner>) {
+    (Rc::new(Operator(Rc::clone(blocks))), Rc::new(Triangular(Rc::clone(blocks))))
 }

@@ -50,6 +50,8 @@ impl Worst {
 
 /// Forces cancel to this many units in the last place of the largest of them.
 const UNITS: f64 = 32.0;
+/// Where the largest force is no more than this many times the rounding, none acts.
+const MEANINGLESS: f64 = 1e3;
 
 /// How large what makes up a state is at its nodes, at most.
 #[derive(Debug, Clone, Copy, Default)]
@@ -249,7 +251,8 @@ impl Convergence {
         }
         let worst = worst.over_ranks(comm);
         let defect: Vec<Worst> = defect.into_iter().map(|d| d.over_ranks(comm)).collect();
-        let is_rounding = worst.value <= UNITS * f64::EPSILON * scales.cancelling;
+        let rounding = UNITS * f64::EPSILON * scales.cancelling;
+        let is_rounding = worst.value <= rounding && force_scale <= MEANINGLESS * rounding;
         let out_of_balance = if is_rounding { 0.0 } else { worst.value / force_scale };
         let largest = defect.iter().map(|d| d.value).fold(0.0, f64::max);
         Measure { worst, defect, out_of_balance, largest }

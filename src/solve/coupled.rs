@@ -13,8 +13,8 @@ use super::problem::Problem;
 use crate::bulk::FlowStep;
 use crate::error::Result;
 use crate::petsc::{
-    FurtherSolve, LinearOperator, LinearTolerance, Matrix, NonlinearSystem, TangentChange, Trial,
-    Verdict,
+    FurtherSolve, LinearOperator, LinearTolerance, Matrix, NonlinearSystem, Ran, TangentChange,
+    Trial, Verdict,
 };
 use crate::timers::Phase;
 
@@ -48,6 +48,14 @@ impl Coupling {
     /// Nothing is assembled yet.
     pub fn new(flow: Flow, blocks: Rc<Blocks>) -> Self {
         Self { flow, blocks, assembled: None, earlier: Earlier::default(), missing: 0.0 }
+    }
+
+    /// The solvers of the preconditioner's blocks. Local.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn ran(&self) -> Result<Vec<Ran>> {
+        self.blocks.ran()
     }
 
     /// Whether the pressures stay as they are, and the mechanical problem alone is solved. Local.

@@ -21,9 +21,9 @@ const DEPENDENT: f64 = 1e-12;
 /// When a search ends, if not at the most iterations.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Until {
-    /// A negative Rayleigh quotient, which is a bound from above and proof enough, or a positive one
-    /// that has settled.
-    Proof,
+    /// A Rayleigh quotient below minus what rounding allows (N/m), which is a bound from above and proof
+    /// enough, or a larger one that has settled.
+    Proof(f64),
     /// The modes of the lowest eigenvalue are exact.
     Exact,
 }
@@ -63,7 +63,7 @@ pub fn lowest_modes(
         };
         let residuals: Vec<Vec<f64>> = span.iter().zip(&values).map(residual).collect();
         let done = match until {
-            Until::Proof => settled || lowest < 0.0,
+            Until::Proof(rounding) => settled || lowest < -rounding,
             Until::Exact => are_exact(comm, &values, &residuals),
         };
         if done && iteration >= ITERATIONS[0] {

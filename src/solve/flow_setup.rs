@@ -118,7 +118,7 @@ pub fn couple(
     let solvers = (mechanics, beside);
     let blocks = Blocks::new(comm, petsc, solvers, tangent, Rc::clone(&space), scale[0])?;
     let (blocks, rows) = (Rc::new(blocks), all.nodes.owned * dim + space.nodes.owned);
-    let [operator, preconditioner] = operators(&blocks);
+    let (operator, preconditioner) = operators(&blocks);
     let matrix = Matrix::shell(petsc, rows, rows, 1, operator)?;
     let options = if blocks.is_coupled() { COUPLED } else { KNOWN };
     let mut snes = Snes::new(petsc, "", matrix, &KspSetup::new(options))?;

@@ -15,12 +15,14 @@ pub struct LinearChoice {
     pub options: Vec<(&'static str, &'static str)>,
 }
 
-/// Options of MUMPS: LDL^T, which also serves when softening makes the tangent indefinite.
+/// Options of MUMPS: LDL^T, which also serves when softening makes the tangent indefinite. One rank factors the
+/// last part (`icntl_13`): of several together MUMPS does not count the negative pivots.
 const MUMPS: &[(&str, &str)] = &[
     ("ksp_type", "preonly"),
     ("pc_type", "cholesky"),
     ("pc_factor_mat_solver_type", "mumps"),
     ("mat_mumps_icntl_14", "100"),
+    ("mat_mumps_icntl_13", "1"),
 ];
 
 /// LU for the saddle-point form, whose tangent is not symmetric.

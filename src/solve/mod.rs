@@ -11,6 +11,7 @@ mod film_setup;
 mod flow;
 mod flow_setup;
 mod foundation;
+mod held;
 mod imperfection;
 mod interfaces;
 mod known_pressure;

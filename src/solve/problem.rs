@@ -150,6 +150,11 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// Largest stiffness of a cell against one displacement (N/m). Local, the same on all ranks.
+    pub(super) fn stiffness(&self) -> f64 {
+        self.diagonal
+    }
+
     /// The levels of multigrid, where it is the solver.
     pub fn hierarchy(&self) -> Option<&Hierarchy> {
         if let TangentForm::Levels(hierarchy) = &self.form { Some(hierarchy) } else { None }

@@ -18,6 +18,9 @@ use crate::petsc::TangentAt;
 const BLOCK: u64 = 3;
 /// Energies of interfaces in a mode that differ by less than this part of the largest are the same.
 const SAME_ENERGY: f64 = 1e-2;
+/// Eigenvalues smaller than this part of the stiffness of a cell are rounding: those of bodies that nothing
+/// holds come out with either sign.
+const ROUNDING: f64 = 1e-12;
 
 /// An accepted state that is not stable.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,30 +79,35 @@ impl Stability {
     }
 }
 
-/// Tests the state that was evaluated last, at which `tangent` was set up. Collective.
+/// Tests the state that was evaluated last, at which `tangent` was set up; `stiffness` is that of a cell
+/// (N/m). Collective.
 ///
 /// # Errors
-/// `System` when PETSc fails.
+/// `Numerics` when the tangent cannot be factored again; `System` when PETSc fails.
 pub fn test(
     comm: &Comm,
     all: &Discretization,
     state: &InterfaceState,
     tangent: &mut TangentAt<'_>,
+    stiffness: f64,
 ) -> Result<Stability> {
+    let stable = Stability { negative: Some(0), lowest: 0.0, mode: None };
+    let rounding = ROUNDING * stiffness;
     if tangent.negative_pivots == Some(0) {
-        return Ok(Stability { negative: Some(0), lowest: 0.0, mode: None });
+        return Ok(stable);
+    }
+    let negative = tangent.eigenvalues_below(rounding)?;
+    if negative == Some(0) {
+        return Ok(stable);
     }
     let start = vec![start(all, state, 0)];
-    let found = lowest_modes(comm, start, tangent, Until::Proof)?.pop();
+    let found = lowest_modes(comm, start, tangent, Until::Proof(rounding))?.pop();
     let Some((lowest, vector)) = found else {
-        return Ok(Stability {
-            negative: tangent.negative_pivots,
-            lowest: f64::INFINITY,
-            mode: None,
-        });
+        return Ok(Stability { negative, lowest: f64::INFINITY, mode: None });
     };
+    let lowest = if lowest.abs() <= rounding { 0.0 } else { lowest };
     let mode = (lowest < 0.0).then(|| kind(comm, all, state, &displacement(all, state, vector)));
-    Ok(Stability { negative: tangent.negative_pivots, lowest, mode })
+    Ok(Stability { negative, lowest, mode })
 }
 
 /// The mode along which a state is left.

@@ -4,7 +4,9 @@ mod along_path;
 mod branching;
 mod descent;
 mod doubts;
+mod persist;
 mod ramp;
+mod rounding;
 mod start;
 mod words;
 
@@ -257,8 +259,9 @@ impl<'a> Stepper<'a> {
             if step <= smallest {
                 return Err(Error::Numerics(format!(
                     "no solution at time {target}, reached from {} with the smallest step {step:e} \
-                     (after {MOST_HALVINGS} halvings): {why}{}",
+                     (after {MOST_HALVINGS} halvings): {why}{}{}",
                     self.time,
+                    self.rounding_words(),
                     self.advice()
                 )));
             }
@@ -307,29 +310,6 @@ impl<'a> Stepper<'a> {
             self.solve()?
         };
         self.persist(report)
-    }
-
-    /// Solves on where the linear solver failed for a reason that another set-up of it removes.
-    fn persist(&mut self, mut report: SolveReport) -> Result<SolveReport> {
-        if self.snes.try_more_work_space(&report)? {
-            let why = self.reason(&report);
-            tracing::info!("  {why}: MUMPS gets more work space");
-            let (corrections, linear) = (report.iterations, report.linear_iterations);
-            report = self.solve()?;
-            report.iterations += corrections;
-            report.linear_iterations += linear;
-        }
-        if self.snes.try_indefinite(&report)? {
-            self.is_indefinite = true;
-            let why = self.reason(&report);
-            tracing::info!("  {why}: GMRES takes the place of conjugate gradients");
-            // Newton's method goes on from the last state: its corrections are not lost.
-            let (corrections, linear) = (report.iterations, report.linear_iterations);
-            report = self.solve()?;
-            report.iterations += corrections;
-            report.linear_iterations += linear;
-        }
-        Ok(report)
     }
 
     fn solve(&mut self) -> Result<SolveReport> {

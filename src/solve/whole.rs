@@ -57,7 +57,14 @@ impl Whole {
 
     /// z = the factors times r; not numbers where there are none, which ends the linear solve.
     /// Collective.
-    pub(super) fn apply(&mut self, r: &[f64], z: &mut [f64]) {
-        if self.failed { z.fill(f64::NAN) } else { self.block.apply(r, z) }
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub(super) fn apply(&mut self, r: &[f64], z: &mut [f64]) -> Result<()> {
+        if !self.failed {
+            return self.block.apply(r, z);
+        }
+        z.fill(f64::NAN);
+        Ok(())
     }
 }

@@ -25,6 +25,7 @@ mod manufactured;
 mod orders;
 mod patches;
 mod path;
+mod presets;
 mod ranks;
 mod reactions;
 mod reference;

@@ -119,6 +119,44 @@ fn a_linear_solver_that_fails_is_told_in_words() {
 }
 
 #[test]
+fn what_rounding_does_not_allow_is_told_with_its_size() {
+    let soft = "materials.rock.elastic.young_modulus=1.0e3";
+    let materials = "materials={soft: {elastic: {young_modulus: 1.0e3, poisson_ratio: 0.2}, z: [0, \
+                     2.5]}, hard: {elastic: {young_modulus: 1.0e11, poisson_ratio: 0.2}, z: [2.5, 5]}}";
+    for (changes, is_told) in [(materials, true), (soft, false)] {
+        let folder = Folder::new();
+        let answer = run(&folder, 1, &[changes, "solver.linear=mumps", "solver.max_newton=9"], &[]);
+        let words = "error: rounding alone leaves about ";
+        assert_eq!(answer.stderr.contains(words), is_told, "{}", answer.stderr);
+        assert_eq!(answer.status, Some(if is_told { 3 } else { 0 }), "{}", answer.stderr);
+    }
+}
+
+#[test]
+fn what_fails_for_any_step_is_told_at_once() {
+    let folder = Folder::new();
+    let once = ["-pc_type", "hypre"];
+    let answer = run(&folder, 2, &["solver.linear=mumps"], &once);
+    assert_failed(&folder, &answer, &[]);
+    let words = "the linear solver failed: -ksp_type preonly applies the preconditioner hypre once, \
+                 which leaves ";
+    assert!(answer.stderr.contains(words), "{}", answer.stderr);
+    assert!(answer.stderr.contains("needs -ksp_type cg or gmres"), "{}", answer.stderr);
+    assert!(!answer.stdout.contains("halved"), "{}", answer.stdout);
+    let solver = &folder.report()["linear_solver"];
+    let ran = serde_json::json!([{"method": "preonly", "preconditioner": "hypre", "package": "boomeramg"}]);
+    assert_eq!((&solver["choice"], &solver["ran"]), (&"mumps".into(), &ran));
+    assert_eq!(solver["petsc_options"], serde_json::json!(["-pc_type hypre"]));
+    // A limit of 1 MB for the factors of 11 000 unknowns.
+    let folder = Folder::new();
+    let large = ["solver.linear=mumps", "mesh.column.cells=[12, 12, 20]"];
+    let answer = run(&folder, 1, &large, &["-mat_mumps_icntl_23", "1"]);
+    assert_eq!(answer.status, Some(4), "{}", answer.stderr);
+    assert!(answer.stderr.contains("MUMPS INFOG(1) = -19"), "{}", answer.stderr);
+    assert!(!answer.stdout.contains("halved"), "{}", answer.stdout);
+}
+
+#[test]
 fn an_indefinite_tangent_is_solved_by_another_method() {
     let folder = Folder::new();
     let answer = run(&folder, 2, &["solver.linear=hypre"], &[]);

@@ -91,6 +91,8 @@ fn endings() {
         ("panics", 101, "[rank 1] panicked at"),
         ("aborts", 7, "[rank 1] the file system is gone"),
         ("killed", 137, ""),
+        ("doubts", 4, "error: SNESSetFromOptions failed: PETSc error"),
+        ("doubts and meets", 4, "The other ranks did not see this error"),
     ] {
         for ranks in [2, 3] {
             let start = Instant::now();
@@ -146,10 +148,15 @@ fn inside(args: &[String]) {
 
 fn end_badly(runtime: Runtime, way: &str) {
     use column_hpc::error::Error;
+    use column_hpc::petsc::{KspSetup, Snes, Vector};
     if runtime.comm.rank() == 1 {
         match way {
             "panics" => panic!("on purpose"),
-            "aborts" => column_hpc::runtime::abort(7, "the file system is gone"),
+            "aborts" => column_hpc::comm::abort(7, "the file system is gone"),
+            // PETSc fails here, while the others wait for this rank in a collective call, or meet it.
+            "doubts" | "doubts and meets" => {
+                let _ = runtime.petsc.set_option("ksp_type", "nonsense");
+            }
             "hangs" => std::thread::sleep(Duration::from_secs(60)),
             "killed" => {
                 let _ = std::process::Command::new("kill")
@@ -158,6 +165,16 @@ fn end_badly(runtime: Runtime, way: &str) {
             }
             _ => {}
         }
+    }
+    if way.starts_with("doubts") {
+        let matrix = linear_algebra::tridiagonal(&runtime.petsc, 8);
+        let made = Snes::new(&runtime.petsc, "", matrix, &KspSetup::default());
+        if made.is_ok() && way == "doubts" {
+            let norm = Vector::new(&runtime.petsc, 4, 1).and_then(|vector| vector.norm2());
+            unreachable!("rank 1 takes no part in {norm:?}");
+        }
+        let _ = runtime.comm.agree(made.map(drop));
+        unreachable!("a rank that fails by itself ends the job");
     }
     let local = if runtime.comm.rank() == 1 {
         Err(Error::System("disk full on rank 1".into()))

@@ -10,7 +10,7 @@
 use super::{NonlinearSystem, TangentChange, Trial, Verdict};
 use crate::error::{Error, Result};
 use crate::petsc::error::check;
-use crate::petsc::linear::Ksp;
+use crate::petsc::linear::{Ksp, LinearFailure, WORTH, Watch};
 use crate::petsc::{Matrix, ReadView, WriteView, ffi};
 use std::ffi::c_void;
 use std::ptr;
@@ -38,11 +38,17 @@ pub(super) struct Context<'a, S> {
     system: &'a mut S,
     matrix: &'a mut Matrix,
     ksp: Ksp,
+    ranks: i32,
     user: UserSet,
     /// Number and residual norm of the state that was judged last.
     judged: (usize, f64),
-    /// Most negative pivots that MUMPS has met in a factorisation of the running solve.
-    pub(super) negative_pivots: usize,
+    /// Most negative pivots that MUMPS has met in a factorisation of the running solve; `None` where
+    /// nothing tells of them.
+    pub(super) negative_pivots: Option<usize>,
+    /// The true residual of a method that goes by another norm.
+    watch: Watch,
+    /// How a linear solve failed that only applied its preconditioner.
+    pub(super) unsolved: Option<LinearFailure>,
     /// Norm of the linear residual at which the next trial of the state is due.
     next_trial: f64,
     /// The error of the callback that failed.
@@ -52,11 +58,36 @@ pub(super) struct Context<'a, S> {
 }
 
 impl<'a, S> Context<'a, S> {
-    pub(super) fn new(system: &'a mut S, matrix: &'a mut Matrix, ksp: Ksp, user: UserSet) -> Self {
-        let judged = (0, 0.0);
-        let (next_trial, negative_pivots) = (0.0, 0);
-        let (error, stopped) = (None, false);
-        Context { system, matrix, ksp, user, judged, negative_pivots, next_trial, error, stopped }
+    pub(super) fn new(
+        system: &'a mut S,
+        matrix: &'a mut Matrix,
+        (ksp, ranks): (Ksp, i32),
+        user: UserSet,
+    ) -> Self {
+        Context {
+            system,
+            matrix,
+            ksp,
+            ranks,
+            user,
+            judged: (0, 0.0),
+            negative_pivots: Some(0),
+            watch: Watch::default(),
+            unsolved: None,
+            next_trial: 0.0,
+            error: None,
+            stopped: false,
+        }
+    }
+
+    /// Counts the pivots of the solve that has just ended. Conjugate gradients tell an indefinite tangent
+    /// themselves. Local.
+    fn count_pivots(&mut self) -> Result<()> {
+        if self.ksp.pc_type_name()? == "cholesky" || self.ksp.type_name()? != "cg" {
+            let counts = self.negative_pivots.zip(self.ksp.negative_pivots(self.ranks)?);
+            self.negative_pivots = counts.map(|(most, count)| most.max(count));
+        }
+        Ok(())
     }
 }
 
@@ -141,23 +172,34 @@ pub(super) unsafe extern "C" fn tangent<S: NonlinearSystem>(
     unsafe { run::<S>(context, work) }
 }
 
-/// Whether a linear solve has converged: the usual test on the residual, and the system's opinion of
-/// the state that the correction so far leads to. Collective.
+/// Whether a linear solve has converged: the usual test on the true residual, whatever norm the method goes
+/// by, and the system's opinion of the state that the correction so far leads to. Collective.
 ///
 /// # Safety
 /// As [`residual`]; `reason` is a valid place for the answer.
 pub(super) unsafe extern "C" fn linear_verdict<S: NonlinearSystem>(
     ksp: ffi::KSP,
-    _iteration: ffi::PetscInt,
+    iteration: ffi::PetscInt,
     norm: f64,
     reason: *mut ffi::KSPConvergedReason,
     context: *mut c_void,
 ) -> ffi::PetscErrorCode {
+    // SAFETY: a valid place by the contract.
+    unsafe { *reason = ffi::KSP_CONVERGED_ITERATING };
     let work = |context: &mut Context<'_, S>| {
         context.system.heed()?;
         let rhs = context.judged.1;
-        let reached = |(relative, absolute): (f64, f64)| norm <= absolute.max(relative * rhs);
+        let target = |(relative, absolute): (f64, f64)| absolute.max(relative * rhs);
         let mut tolerances = context.ksp.tolerances()?;
+        let mut norm = norm;
+        if !context.ksp.measures_true_residual()? && norm.is_finite() {
+            let (ksp, iteration) = (context.ksp, usize::try_from(iteration).unwrap_or(0));
+            match context.watch.norm(ksp, iteration, norm, target(tolerances))? {
+                Some(truly) => norm = truly,
+                None => return Ok(()),
+            }
+        }
+        let reached = |tolerances| norm <= target(tolerances);
         let mut answer = if !norm.is_finite() {
             ffi::KSP_DIVERGED_NANORINF
         } else if norm > DIVERGED * rhs {
@@ -188,6 +230,10 @@ pub(super) unsafe extern "C" fn linear_verdict<S: NonlinearSystem>(
         }
         if answer == ffi::KSP_CONVERGED_ITERATING && reached(tolerances) {
             answer = ffi::KSP_CONVERGED_RTOL;
+        }
+        let is_last = usize::try_from(iteration).unwrap_or(0) >= context.ksp.most_iterations()?;
+        if answer == ffi::KSP_CONVERGED_ITERATING && is_last && norm <= WORTH * rhs {
+            answer = ffi::KSP_CONVERGED_ITS;
         }
         // SAFETY: a valid place by the contract.
         unsafe { *reason = answer };
@@ -236,13 +282,16 @@ pub(super) unsafe extern "C" fn direction<S: NonlinearSystem>(
     let work = |context: &mut Context<'_, S>| {
         // SAFETY: PETSc lends two different valid vectors for the length of the call.
         let (x, mut y) = (unsafe { ReadView::new(x) }?, unsafe { WriteView::new(correction) }?);
-        // INFOG(12) of L D L^T: pivots below zero.
-        if context.ksp.pc_type_name()? == "cholesky" {
-            let negative = context.ksp.mumps_infog(12)?.unwrap_or(0);
-            let negative = usize::try_from(negative).unwrap_or(0);
-            context.negative_pivots = context.negative_pivots.max(negative);
-        }
+        context.count_pivots()?;
         let ksp = context.ksp;
+        context.unsolved = ksp.unsolved(context.judged.1)?;
+        if context.unsolved.is_some() {
+            // The verdict ends the solve at the state where it is.
+            y.fill(0.0);
+            // SAFETY: a valid place by the contract.
+            unsafe { *changed = ffi::PETSC_TRUE };
+            return Ok(());
+        }
         let mut further = |rhs: &[f64], solution: &mut [f64]| {
             // SAFETY: the callbacks that would reach the context stay away from this solve.
             let solved = unsafe { ksp.solve_alone(correction, rhs, solution) };
@@ -273,6 +322,11 @@ pub(super) unsafe extern "C" fn verdict<S: NonlinearSystem>(
     context: *mut c_void,
 ) -> ffi::PetscErrorCode {
     let work = |context: &mut Context<'_, S>| {
+        if context.unsolved.is_some() {
+            // SAFETY: a valid place by the contract.
+            unsafe { *reason = ffi::SNES_DIVERGED_LINEAR_SOLVE };
+            return Ok(());
+        }
         let (mut x, mut f) = (ptr::null_mut(), ptr::null_mut());
         // SAFETY: the solver that calls.
         check(unsafe { ffi::SNESGetSolution(snes, &mut x) }, "SNESGetSolution")?;

@@ -4,13 +4,15 @@
 #![allow(unsafe_code)]
 
 use super::super::error::check;
+use super::super::linear::mumps_words;
 use super::super::{Vector, ffi};
 use super::{NonlinearSystem, Snes, TangentChange};
 use crate::error::{Error, Result};
+use std::ptr;
 
 /// The tangent at a state, with its preconditioner or factors.
 pub struct TangentAt<'s> {
-    snes: &'s Snes,
+    snes: &'s mut Snes,
     from: Vector,
     to: Vector,
     /// Pivots below zero, where the tangent was factored: the number of negative eigenvalues.
@@ -45,45 +47,30 @@ impl Snes {
         unsafe {
             check(ffi::KSPSetOperators(ksp, matrix, matrix), "KSPSetOperators")?;
             check(ffi::KSPSetReusePreconditioner(ksp, keep), "KSPSetReusePreconditioner")?;
-            check(ffi::KSPSetUp(ksp), "KSPSetUp")?;
         }
-        if let Some(infog) = self.ksp.mumps_infog(1)?.filter(|infog| *infog < 0) {
-            return Err(Error::Numerics(format!(
-                "the tangent could not be factored: MUMPS INFOG(1) = {infog}"
-            )));
-        }
-        // INFOG(12) of L D L^T: pivots below zero.
-        let factored = self.ksp.pc_type_name()? == "cholesky";
-        let pivots = if factored { self.ksp.mumps_infog(12)? } else { None };
-        let negative_pivots = pivots.map(|n| usize::try_from(n).unwrap_or(0));
+        self.factor()?;
+        let negative_pivots = self.negative_pivots()?;
         let from = self.residual.duplicate()?;
         let to = self.residual.duplicate()?;
         Ok(TangentAt { snes: self, from, to, negative_pivots })
     }
 
-    /// Gives MUMPS several times as much work space from now on where `INFOG(1)` says that it had too
-    /// little, unless the user has said how much or it has it already. Tells whether it did. Collective.
-    ///
-    /// # Errors
-    /// `System` when PETSc fails.
-    pub fn give_more_work_space(&mut self, infog: Option<i32>) -> Result<bool> {
-        let name = format!("{}mat_mumps_icntl_14", self.prefix);
-        let short = matches!(infog, Some(-8 | -9 | -14 | -15 | -17 | -20));
-        if !short || !self.defaults.contains(&name) || self.more_work_space {
-            return Ok(false);
-        }
-        self.more_work_space = true;
-        self.petsc.set_option(&name, "500")?;
-        Ok(true)
+    fn negative_pivots(&self) -> Result<Option<usize>> {
+        self.ksp.negative_pivots(self.petsc.comm().size())
     }
 
-    /// Forgets preconditioner and factors: MUMPS refuses to use a factor again after a failure.
-    /// Collective.
-    ///
-    /// # Errors
-    /// `System` when PETSc fails.
-    pub fn forget_factors(&mut self) -> Result<()> {
-        self.ksp.reset()
+    /// Builds the preconditioner or the factors of the operators that are set. Collective.
+    fn factor(&self) -> Result<()> {
+        // SAFETY: a valid solver with operators.
+        let code = unsafe { ffi::KSPSetUp(self.ksp.raw()) };
+        self.petsc.comm().agree(check(code, "KSPSetUp"))?;
+        if let Some(infog) = self.ksp.mumps_infog(1)?.filter(|infog| *infog < 0) {
+            return Err(Error::Numerics(format!(
+                "the tangent could not be factored: MUMPS INFOG(1) = {infog}: {}",
+                mumps_words(infog)
+            )));
+        }
+        Ok(())
     }
 
     /// Applies the preconditioner or the factors that [`Snes::set_up`] has made. Collective.
@@ -102,6 +89,35 @@ impl Snes {
 }
 
 impl TangentAt<'_> {
+    /// Eigenvalues below -`bound`, where the tangent is factored and pivots are counted: the pivots below
+    /// zero of the tangent with `bound` added to its diagonal. Motions that nothing resists, whose pivots
+    /// are rounding of either sign, do not count. Collective.
+    ///
+    /// # Errors
+    /// `Numerics` when the set-up fails; `System` when PETSc fails.
+    pub fn eigenvalues_below(&mut self, bound: f64) -> Result<Option<usize>> {
+        if self.negative_pivots.is_none() {
+            return Ok(None);
+        }
+        let (ksp, matrix) = (self.snes.ksp.raw(), self.snes.matrix.raw());
+        let mut shifted = ptr::null_mut();
+        // SAFETY: a valid matrix; the copy is destroyed once, the solver holds a reference of its own.
+        unsafe {
+            let code = ffi::MatDuplicate(matrix, ffi::MAT_COPY_VALUES, &mut shifted);
+            check(code, "MatDuplicate")?;
+            check(ffi::MatShift(shifted, bound), "MatShift")?;
+            check(ffi::KSPSetOperators(ksp, shifted, shifted), "KSPSetOperators")?;
+            let code = ffi::KSPSetReusePreconditioner(ksp, ffi::PETSC_FALSE);
+            check(code, "KSPSetReusePreconditioner")?;
+            check(ffi::MatDestroy(&mut shifted), "MatDestroy")?;
+        }
+        let counted = self.snes.factor().and_then(|()| self.snes.negative_pivots());
+        // SAFETY: a valid solver and its own matrix.
+        check(unsafe { ffi::KSPSetOperators(ksp, matrix, matrix) }, "KSPSetOperators")?;
+        self.snes.factor()?;
+        counted
+    }
+
     /// The product with the tangent; owned entries. Collective.
     ///
     /// # Errors

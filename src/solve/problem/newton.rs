@@ -7,6 +7,7 @@ use crate::petsc::{
     FurtherSolve, LinearTolerance, Matrix, NonlinearSystem, TangentChange, Trial, Verdict,
 };
 use crate::solve::condensed;
+use crate::solve::path::PathControl;
 use crate::timers::Phase;
 
 /// How far the residual of a linear solve has to fall where its solution decides which interface gives
@@ -156,6 +157,11 @@ impl NonlinearSystem for Problem<'_> {
     }
 
     fn linear_tolerance(&mut self, _iteration: usize, norm: f64) -> LinearTolerance {
-        self.linear.tolerance(norm, self.convergence.accepted_force())
+        let mut scale = self.convergence.accepted_force();
+        if scale == 0.0 && self.path.as_ref().is_some_and(PathControl::follows) {
+            // The path starts where the first point gives way, under forces that no step has accepted yet.
+            scale = self.convergence.current().force;
+        }
+        self.linear.tolerance(norm, scale)
     }
 }

@@ -107,7 +107,7 @@ impl Stepper<'_> {
         let x = self.x.read()?.to_vec();
         let mut tangent = self.snes.tangent_at(problem, &x)?;
         let (comm, all, state) = (problem.comm, &problem.all, &problem.interfaces);
-        let found = stability::test(comm, all, state, &mut tangent)?;
+        let found = stability::test(comm, all, state, &mut tangent, problem.stiffness())?;
         Ok((!found.is_stable()).then_some(Instability { time, found }))
     }
 
@@ -124,7 +124,8 @@ impl Stepper<'_> {
         let mut step = |stepper: &mut Self| {
             let report = stepper.try_step(target)?;
             total.count(&report);
-            let alarm = report.negative_pivots > 0 || stepper.is_indefinite;
+            // Where pivots are not counted the test itself has to tell.
+            let alarm = report.negative_pivots != Some(0) || stepper.is_indefinite;
             let converged = report.reason.is_converged();
             let unstable = if converged { stepper.instability(target, alarm)? } else { None };
             Ok((report, unstable))

@@ -4,6 +4,7 @@ use super::Stepper;
 use crate::case::{Control, ControlKind, InterfaceSpec};
 use crate::law::InterfaceLaw;
 use crate::petsc::SolveReport;
+use crate::solve::held;
 
 /// Interfaces by their names, as the subject of a sentence.
 fn in_words(names: &[&str]) -> String {
@@ -82,11 +83,11 @@ impl Stepper<'_> {
         let holds: Vec<bool> =
             holds.iter().zip(&nodes).map(|(h, n)| *h > 0.0 || *n == 0.0).collect();
         if holds.iter().all(|holds| *holds) {
-            return None;
+            return self.loose_bodies(time);
         }
         let free = self.case.free_motions(&holds);
         if free.is_empty() {
-            return None;
+            return self.loose_bodies(time);
         }
         let broken = self.case.interfaces.iter().zip(&holds).filter(|(_, holds)| !**holds);
         let names: Vec<&str> = broken.map(|(interface, _)| interface.name.as_str()).collect();
@@ -96,6 +97,26 @@ impl Stepper<'_> {
             in_words(&names),
             free.join("; ")
         ))
+    }
+
+    /// That what is left of interfaces that broke in part does not hold a body, in words, if so.
+    /// Collective.
+    fn loose_bodies(&self, time: f64) -> Option<String> {
+        let problem = &self.problem;
+        let (all, state) = (&problem.all, &problem.interfaces);
+        let separated = state.response.iter().any(|r| r.branch.is_separated());
+        if !problem.comm.any(separated) {
+            return None;
+        }
+        let column = problem.convergence.column();
+        let free = held::free_motions(problem.comm, self.case, column, all, state);
+        (!free.is_empty()).then(|| {
+            format!(
+                "at time {time} what is left of the interfaces does not hold: {}; prescribe \
+                 displacements that prevent it, or choose a law that holds",
+                free.join("; ")
+            )
+        })
     }
 
     /// Why a solve failed, in words. Collective.
@@ -111,10 +132,10 @@ impl Stepper<'_> {
         };
         // L D L^T goes through an indefinite tangent without a word; its pivots tell.
         let place = self.softening_place();
-        if report.negative_pivots == 0 {
+        let negative = report.negative_pivots.unwrap_or(0);
+        if negative == 0 {
             return words;
         }
-        let negative = report.negative_pivots;
         let place = place.map_or_else(String::new, |place| format!("; {place} softened"));
         format!("{words}; the tangent was indefinite ({negative} negative pivots){place}")
     }

@@ -1,0 +1,54 @@
+//! What is done about linear solves that fail, and which solvers ran in the end.
+
+use super::Stepper;
+use crate::error::{Error, Result};
+use crate::petsc::{Ran, SolveReport};
+
+impl Stepper<'_> {
+    /// The linear solvers as PETSc has them, that of all unknowns first. Local.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn ran(&self) -> Result<Vec<Ran>> {
+        let mut ran = vec![self.snes.ran()?];
+        if let Some(coupling) = &self.coupling {
+            ran.extend(coupling.ran()?);
+        }
+        Ok(ran)
+    }
+
+    /// Solves on where the linear solver failed for a reason that another set-up of it removes.
+    pub(super) fn persist(&mut self, mut report: SolveReport) -> Result<SolveReport> {
+        if self.snes.try_more_work_space(&report)? {
+            let why = self.reason(&report);
+            tracing::info!("  {why}: MUMPS gets more work space");
+            report = self.go_on(&report)?;
+        }
+        if self.snes.try_new_preconditioner(&report)? {
+            // Collective, while what is told is not worked out on ranks that are silent.
+            let why = self.reason(&report);
+            tracing::debug!("  {why}: again with a new preconditioner");
+            report = self.go_on(&report)?;
+        }
+        if self.snes.try_indefinite(&report)? {
+            self.is_indefinite = true;
+            let why = self.reason(&report);
+            tracing::info!("  {why}: GMRES takes the place of conjugate gradients");
+            report = self.go_on(&report)?;
+        }
+        if let Some(failure) = report.failing_linear.as_ref().filter(|f| f.is_final()) {
+            let words = format!("the linear solver failed: {}", failure.words);
+            let kind = if failure.wants_memory() { Error::System } else { Error::Numerics };
+            return Err(kind(words));
+        }
+        Ok(report)
+    }
+
+    /// Solves on from the state at which a solve failed: its corrections are not lost.
+    fn go_on(&mut self, from: &SolveReport) -> Result<SolveReport> {
+        let mut report = self.solve()?;
+        report.iterations += from.iterations;
+        report.linear_iterations += from.linear_iterations;
+        Ok(report)
+    }
+}
