@@ -120,7 +120,7 @@ fn words_that_became_true_or_false_are_told() {
         (
             "linear_softening: {strength: 1.1e6, fracture_energy: 900}",
             "contact: {friction: 0.6}",
-            "9:20: interfaces.0.law.contact.friction is not a known key; interfaces.0.law.contact has \
+            "9:21: interfaces.0.law.contact.friction is not a known key; interfaces.0.law.contact has \
              none, write {}"
                 .to_owned(),
         ),
