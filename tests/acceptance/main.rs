@@ -8,6 +8,7 @@ mod diffusion;
 mod energy;
 mod equilibrium;
 mod film;
+mod first_correction;
 mod flow;
 mod flow_orders;
 mod fluid;
