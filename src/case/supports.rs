@@ -78,7 +78,8 @@ pub(super) fn free_motions(
             };
             let beside = [first.checked_sub(1), Some(last)].into_iter().flatten();
             let mut laws = beside.filter_map(|index| interfaces.get(index)).map(|i| i.law.name());
-            let contact = if laws.any(|law| law == "contact") {
+            let is_pressed = motions.iter().any(|motion| motion == "translation along z");
+            let contact = if is_pressed && laws.any(|law| law == "contact") {
                 "; a contact does not count, also where weight or a traction presses it: in the place \
                  of the load prescribe the displacement of a surface of that body, or hold it by \
                  linear_softening with a strength that is small beside the load"
