@@ -14,6 +14,19 @@ const FREE: f64 = 1e-12;
 /// free by itself.
 const NAMED: [f64; 2] = [1e-6, 1.0 - 1e-6];
 
+/// Cohesion is gone where the damage differs from 1 by less: what is left of it is rounding.
+const LEFT: f64 = 1e-12;
+
+/// Whether nothing but contact is left at a secondary node. Local.
+pub fn is_separated(
+    interfaces: &InterfaceState,
+    interface: usize,
+    response: &NodeResponse,
+) -> bool {
+    let law = interfaces.laws[interface].spec.law();
+    response.branch.is_separated() || law.damage(response.history) >= 1.0 - LEFT
+}
+
 /// The displacement of a point in a rigid motion: three translations, then three rotations about the axes
 /// through `centre`.
 fn motion(number: usize, point: [f64; 3], centre: [f64; 3]) -> [f64; 3] {
@@ -45,8 +58,9 @@ pub fn free_motions(
         let name = all.nodes.names[node];
         (column.point(name), column.node_place(name).body)
     };
-    let holds = |response: &NodeResponse, c: usize| {
-        !response.branch.is_separated() || c + 1 == dim && response.branch.is_closed()
+    let holds = |interface: usize, response: &NodeResponse, c: usize| {
+        let separated = is_separated(interfaces, interface, response);
+        !separated || c + 1 == dim && response.branch.is_closed()
     };
     let prescribed = || (0..all.nodes.owned).filter(|node| all.prescribed[*node] != [false; 3]);
     // Rotations are about the middle of the points of each body that hold it.
@@ -58,7 +72,7 @@ pub fn free_motions(
     };
     prescribed().for_each(&mut count);
     for (rows, response) in all.secondary.iter().zip(&interfaces.response) {
-        if (0..dim).any(|c| rows.rows[c].is_some() && holds(response, c)) {
+        if (0..dim).any(|c| rows.rows[c].is_some() && holds(rows.interface, response, c)) {
             rows.nodes().into_iter().for_each(|node| count(node as usize));
         }
     }
@@ -99,7 +113,7 @@ pub fn free_motions(
             let mut row = vec![0.0; size];
             at(rows.node as usize, &mut row, c, jump.own);
             jump.others.iter().for_each(|(node, a)| at(*node as usize, &mut row, c, *a));
-            see(&row, holds(response, c));
+            see(&row, holds(rows.interface, response, c));
         }
     }
     comm.sum(&mut sums);

@@ -75,6 +75,34 @@ fn pivots_are_counted_on_any_number_of_ranks() {
     assert!(found[0].contains("has a negative eigenvalue"), "{found:?}");
 }
 
+/// Both interfaces broken, the block between them is free, wherever a solver leaves it; where one still
+/// holds in some points, it holds.
+#[test]
+fn a_block_that_nothing_holds_is_told_by_every_solver() {
+    let scene = Scene::shipped("stability/two_equal_interfaces.yaml")
+        .set("expect=[]")
+        .set("solver.stability=off")
+        .set("time.instants=[1]")
+        .set("boundary.1.displacement.z={table: [[0, 0], [1, 4.5e-3]]}");
+    for (linear, ranks) in [("mumps", 1), ("mumps", 2), ("gamg", 1), ("hypre", 2), ("multigrid", 3)]
+    {
+        match scene.set(&format!("solver.linear={linear}")).in_any_steps().attempt(ranks) {
+            Ok(run) => {
+                let least =
+                    run.column("lower.damage.min")[0].min(run.column("upper.damage.min")[0]);
+                assert!(least < 0.99, "{}", run.label);
+                let held = ["lower", "upper"].map(|n| run.column(&format!("{n}.damage.max"))[0]);
+                assert!(held.iter().any(|damage| *damage < 0.99), "{}: {held:?}", run.label);
+            }
+            Err(failure) => {
+                assert_eq!(failure.status, Some(3), "{}", failure.complaint);
+                let words = "body 2 (between lower and upper) can move freely: ";
+                assert!(failure.complaint.contains(words), "{}", failure.complaint);
+            }
+        }
+    }
+}
+
 #[test]
 fn the_true_residual_counts_whatever_norm_is_chosen() {
     let scene = |options: &str| {

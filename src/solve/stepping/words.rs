@@ -73,7 +73,7 @@ impl Stepper<'_> {
         for (rows, response) in problem.all.secondary.iter().zip(&problem.interfaces.response) {
             if rows.has_multiplier() {
                 nodes[rows.interface] = 1.0;
-                if !response.branch.is_separated() {
+                if !held::is_separated(&problem.interfaces, rows.interface, response) {
                     holds[rows.interface] = 1.0;
                 }
             }
@@ -104,7 +104,8 @@ impl Stepper<'_> {
     fn loose_bodies(&self, time: f64) -> Option<String> {
         let problem = &self.problem;
         let (all, state) = (&problem.all, &problem.interfaces);
-        let separated = state.response.iter().any(|r| r.branch.is_separated());
+        let mut nodes = all.secondary.iter().zip(&state.response);
+        let separated = nodes.any(|(rows, r)| held::is_separated(state, rows.interface, r));
         if !problem.comm.any(separated) {
             return None;
         }
