@@ -135,7 +135,12 @@ fn shipped() -> Vec<String> {
 
 /// What is wrong with a run of a shipped case, if anything.
 fn wrong(case: &str, preset: &str, ranks: usize) -> Option<String> {
-    let scene = Scene::shipped(case).set(&format!("solver.linear={preset}")).in_any_steps();
+    let mut scene = Scene::shipped(case).set(&format!("solver.linear={preset}")).in_any_steps();
+    if preset != "mumps" {
+        // The cases ask for digits of tractions that have fallen to a twentieth; the tolerance is one of the
+        // largest forces, which an iterative solver uses up.
+        scene = scene.set("solver.tolerance=1.0e-10");
+    }
     match scene.attempt(ranks) {
         Ok(run) if run.report["status"] == "done" => None,
         Ok(run) => Some(format!("{}: {}", run.label, run.report["status"])),
