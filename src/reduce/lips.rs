@@ -1,7 +1,7 @@
 //! What the states of a smaller model say of the interfaces: which hold, and which softens how.
 
 use super::bound::{Joints, softening};
-use super::{InterfaceSnapshot, Prolongation, Snapshot};
+use super::{InterfaceSnapshot, Prolongation, Snapshot, both_could_soften};
 use crate::case::Case;
 use crate::law::Branch;
 use crate::mesh::Column;
@@ -63,11 +63,7 @@ impl Lips<'_> {
         for other in (0..self.case.interfaces.len()).filter(|i| *i != interface) {
             if softened.contains(&other) || self.could_soften(other, interface) {
                 let (first, second) = (interface.min(other), interface.max(other));
-                return Err(format!(
-                    "{} and {} could both soften: what is left out decides which of them opens",
-                    name(first),
-                    name(second)
-                ));
+                return Err(both_could_soften(name(first), name(second)));
             }
         }
         let strength = law(interface).strength().unwrap_or(0.0);

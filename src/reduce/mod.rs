@@ -20,7 +20,7 @@ pub use certificate::{Proof, prove};
 pub use forces::are_straight;
 pub use narrow::{Candidate, candidates, narrowed};
 pub use prolongation::Prolongation;
-pub use refusal::{Situation, refusal};
+pub use refusal::{Situation, both_could_soften, refusal};
 
 use crate::solve::{Model, NodeResponse};
 

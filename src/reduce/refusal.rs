@@ -2,6 +2,11 @@
 
 use crate::case::{Case, Form, Linear, Reduce, Stability, Value};
 
+/// That two interfaces both soften, in words. Local.
+pub fn both_could_soften(first: &str, second: &str) -> String {
+    format!("{first} and {second} could both soften: what is left out decides which of them opens")
+}
+
 /// Models with fewer unknowns take no longer than a proof about them.
 const FEWEST_UNKNOWNS: u64 = 3000;
 

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::mesh::LocalMesh;
 use crate::reduce::{
     Candidate, Certificate, NONE_OF_USE, Prolongation, Reduction, Situation, Snapshot,
-    are_straight, candidates, narrowed, prove, refusal,
+    are_straight, both_could_soften, candidates, narrowed, prove, refusal,
 };
 use crate::runtime::Runtime;
 use crate::solve::{self, Accepted, Foundation, LinearChoice, Model};
@@ -131,9 +131,27 @@ fn instants(
     let stepper = &model.stepper;
     let found = [stepper.instabilities_in_words(), stepper.bifurcations_in_words()].concat();
     if let Some(first) = found.into_iter().next() {
-        return Err(Error::Numerics(first));
+        let softened = softened(narrow, &model);
+        return Err(Error::Numerics(match &softened[..] {
+            [first, second, ..] => both_could_soften(first, second),
+            _ => first,
+        }));
     }
     Ok((states, rows, model.unknowns))
+}
+
+/// The names of the interfaces that are damaged at the end.
+fn softened(case: &Case, model: &Model<'_>) -> Vec<String> {
+    let (all, state) = (&model.stepper.problem.all, &model.stepper.problem.interfaces);
+    let mut names = Vec::new();
+    for (number, interface) in case.interfaces.iter().enumerate() {
+        let nodes = all.secondary.iter().zip(&state.committed);
+        let mut own = nodes.filter(|(rows, _)| rows.interface == number);
+        if own.any(|(_, history)| interface.law.law().damage(*history) > 0.0) {
+            names.push(interface.name.clone());
+        }
+    }
+    names
 }
 
 impl Reduced {
