@@ -101,6 +101,26 @@ fn fluid_and_loads_act_together() {
     }
 }
 
+/// A contact that opens relieves a joint in series with it, which would break if it stayed closed: with
+/// every solver, in one step.
+#[test]
+fn a_contact_that_opens_spares_a_joint() {
+    let joint = joint("joint", 1.0, 1.0e6, "upper");
+    let contact = "{name: contact, z: 3, law: {contact: {}}}";
+    let path = "{table: [[0, 0], [1, -1.0e-3], [2, 2.5e-3], [3, -2.5e-4]]}";
+    let top = format!("displacement: {{x: 0, z: {path}}}");
+    let sides = "boundary.2={on: left, displacement: {x: 0}}";
+    let scene = column("[0.5, 5]", "[3, 10]", 0.0, &[&joint, contact], &top);
+    let scene = scene.set(sides).set("time.instants=[1, 2, 3]");
+    for (ranks, solver) in [(1, "mumps"), (2, "gamg"), (1, "hypre"), (3, "multigrid")] {
+        let run = scene.set(&format!("solver.linear={solver}")).on(ranks);
+        let jump = run.column("contact.normal_jump.mean");
+        assert!((jump[1] - 2.5e-3).abs() <= 2.5e-11, "{}: {jump:?}", run.label);
+        assert_value(&run, "joint.damage.max", 0.0, 1.0);
+        assert_value(&run, "joint.normal_traction.mean", -2.9e5, 2.9e5);
+    }
+}
+
 /// A contact is opened before any force has acted, and pressed later: with every solver, in any
 /// unit of length.
 #[test]

@@ -91,8 +91,6 @@ fn a_block_that_nothing_holds_is_told_by_every_solver() {
                 let least =
                     run.column("lower.damage.min")[0].min(run.column("upper.damage.min")[0]);
                 assert!(least < 0.99, "{}", run.label);
-                let held = ["lower", "upper"].map(|n| run.column(&format!("{n}.damage.max"))[0]);
-                assert!(held.iter().any(|damage| *damage < 0.99), "{}: {held:?}", run.label);
             }
             Err(failure) => {
                 assert_eq!(failure.status, Some(3), "{}", failure.complaint);

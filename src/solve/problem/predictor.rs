@@ -7,8 +7,8 @@
 //!
 //! Between the accepted state and this answer the loads grow in proportion, so that the point which
 //! reaches its threshold first on the way does so in truth, and has grown its damage at the end of
-//! the step. Where several interfaces pass theirs, the one that is first gives way alone for one
-//! correction: the others may find themselves relieved.
+//! the step. Where several interfaces give way, open or close, the one that is first does so alone for
+//! one correction: the others may find themselves relieved.
 
 use super::{Problem, Worst};
 use crate::assembly::Discretization;
@@ -58,43 +58,55 @@ impl Onset {
     }
 }
 
-impl InterfaceState {
-    /// The part of the way from the accepted traction of a node to that of the evaluated state after
-    /// which its history grows; none if it does not. Local.
-    fn onset_at(&self, all: &Discretization, index: usize) -> Option<f64> {
-        let rows = &all.secondary[index];
-        let law = self.law_at(index, rows);
-        let scale = self.laws[rows.interface].spec.law().typical_jump()?;
-        let [from, to] = [self.accepted[index], self.augmented(all, index)];
-        let kappa = self.committed[index];
-        let grows = |part: f64| {
-            let p = std::array::from_fn(|c| from[c] + part * (to[c] - from[c]));
-            let history = law.respond(to_local(p, all.dim), 0.0, kappa, all.dim).history;
-            history > kappa + ROUNDING * scale
-        };
-        if !grows(1.0) {
-            return None;
-        }
-        let (mut before, mut after) = (0.0, 1.0);
-        for _ in 0..BISECTIONS {
-            let middle = 0.5 * (before + after);
-            *(if grows(middle) { &mut after } else { &mut before }) = middle;
-        }
-        Some(after)
+/// Parts of the way from the accepted state to the predicted one after which a node changes.
+#[derive(Debug, Clone, Copy, Default)]
+struct Changes {
+    /// Its history grows.
+    grows: Option<f64>,
+    /// Other components are stuck, as where a contact opens or closes.
+    turns: Option<f64>,
+}
+
+impl Changes {
+    /// The first of the two.
+    fn first(self) -> Option<f64> {
+        self.grows.into_iter().chain(self.turns).reduce(f64::min)
     }
 }
 
+/// The part of the way after which what holds at its end but not at its beginning does so.
+fn part_of_way(holds: impl Fn(f64) -> bool) -> Option<f64> {
+    if !holds(1.0) {
+        return None;
+    }
+    let (mut before, mut after) = (0.0, 1.0);
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (before + after);
+        *(if holds(middle) { &mut after } else { &mut before }) = middle;
+    }
+    Some(after)
+}
+
 impl InterfaceState {
-    /// Whether other components of a node are stuck after a part of the way from its accepted traction to
-    /// that of the evaluated state than at its beginning. Local.
-    fn turns_before(&self, all: &Discretization, index: usize, part: f64) -> bool {
-        let law = self.law_at(index, &all.secondary[index]);
+    /// What changes at a node on the way to the state that was evaluated last. Local.
+    fn changes_at(&self, all: &Discretization, index: usize) -> Changes {
+        let rows = &all.secondary[index];
+        let law = self.law_at(index, rows);
         let [from, to] = [self.accepted[index], self.augmented(all, index)];
-        let stuck = |part: f64| {
+        let kappa = self.committed[index];
+        let answer = |part: f64| {
             let p = std::array::from_fn(|c| from[c] + part * (to[c] - from[c]));
-            law.respond(to_local(p, all.dim), 0.0, self.committed[index], all.dim).stuck
+            law.respond(to_local(p, all.dim), 0.0, kappa, all.dim)
         };
-        stuck(0.0) != stuck(part)
+        let stuck = answer(0.0).stuck;
+        let scale = self.laws[rows.interface].spec.law().typical_jump();
+        let least = scale.map_or(f64::INFINITY, |scale| kappa + ROUNDING * scale);
+        let grows = part_of_way(|part| answer(part).history > least);
+        let turns = part_of_way(|part| answer(part).stuck != stuck);
+        // What held and softens is not stuck any more from the same place on.
+        let apart = 2.0 * 0.5_f64.powi(BISECTIONS as i32);
+        let turns = turns.filter(|turns| grows.is_none_or(|grows| turns + apart < grows));
+        Changes { grows, turns }
     }
 }
 
@@ -184,34 +196,35 @@ impl Problem<'_> {
     /// Collective.
     fn find_onset(&mut self) -> Option<Vec<bool>> {
         let (all, state) = (&self.all, &self.interfaces);
-        let onsets: Vec<Option<f64>> =
-            (0..state.response.len()).map(|index| state.onset_at(all, index)).collect();
-        let mut earliest = vec![f64::INFINITY; state.laws.len()];
-        for (onset, rows) in onsets.iter().zip(&all.secondary) {
-            if let Some(onset) = onset {
-                earliest[rows.interface] = earliest[rows.interface].min(*onset);
+        let count = state.laws.len();
+        let changes: Vec<Changes> =
+            (0..state.response.len()).map(|index| state.changes_at(all, index)).collect();
+        // By interface, when the first point of it changes, and when one gives way; then any turns.
+        let mut earliest = vec![f64::INFINITY; 2 * count + 1];
+        for (changes, rows) in changes.iter().zip(&all.secondary) {
+            let [any, grows] = [rows.interface, count + rows.interface];
+            for (place, part) in
+                [(any, changes.first()), (grows, changes.grows), (2 * count, changes.turns)]
+            {
+                earliest[place] = earliest[place].min(part.unwrap_or(f64::INFINITY));
             }
         }
         self.comm.min(&mut earliest);
-        let first = earliest.iter().copied().fold(f64::INFINITY, f64::min);
-        if !first.is_finite() {
-            return None;
-        }
-        // Where a contact opens or closes before that, the loads do not grow in proportion up to there.
-        let before = (first - 0.5_f64.powi(BISECTIONS as i32)).max(0.0);
-        let turns = (0..onsets.len()).any(|index| state.turns_before(all, index, before));
-        if self.comm.any(turns) {
-            return None;
-        }
+        let least = |parts: &[f64]| parts.iter().copied().fold(f64::INFINITY, f64::min);
+        let [first, grows] = [least(&earliest[..count]), least(&earliest[count..2 * count])];
+        let turns = earliest[2 * count];
         let [part, rest] = TOGETHER;
-        let last = first + part * first + rest;
-        let is_first = |onset: f64| onset <= last;
-        let firsts = onsets.iter().enumerate();
-        let firsts = firsts.filter(|(_, onset)| onset.is_some_and(is_first));
-        self.onset.first = firsts.map(|(index, _)| (index, state.committed[index])).collect();
-        let waits: Vec<bool> =
-            earliest.iter().map(|onset| onset.is_finite() && !is_first(*onset)).collect();
-        let rows = all.secondary.iter().take(onsets.len());
+        let is_with = |first: f64, onset: f64| onset <= first + part * first + rest;
+        // Where a contact opens or closes before that, the loads do not grow in proportion up to there.
+        if grows.is_finite() && turns >= grows {
+            let nodes = changes.iter().enumerate();
+            let firsts = nodes.filter(|(_, c)| c.grows.is_some_and(|part| is_with(grows, part)));
+            self.onset.first = firsts.map(|(index, _)| (index, state.committed[index])).collect();
+        }
+        let waits: Vec<bool> = (0..count)
+            .map(|i| earliest[count + i].is_finite() && !is_with(first, earliest[i]))
+            .collect();
+        let rows = all.secondary.iter().take(changes.len());
         waits.contains(&true).then(|| rows.map(|rows| waits[rows.interface]).collect())
     }
 }
