@@ -14,6 +14,9 @@ pub(super) struct Doubt {
     pub words: String,
     /// Whether a run cannot go on from it.
     pub is_final: bool,
+    /// Whether shorter steps are tried: not for lips that a law presses, whose values in the steps
+    /// that were asked for are what cases expect.
+    is_cut: bool,
 }
 
 /// Steps are cut for doubts that are not final down to so many of the smallest ones.
@@ -22,7 +25,7 @@ const WORTH: f64 = 64.0;
 impl Doubt {
     /// Whether a step of size `step` is worth cutting.
     pub(super) fn is_worth(&self, step: f64, smallest: f64) -> bool {
-        step > if self.is_final { smallest } else { WORTH * smallest }
+        self.is_cut && step > if self.is_final { smallest } else { WORTH * smallest }
     }
 }
 
@@ -30,12 +33,12 @@ impl Stepper<'_> {
     /// What speaks against the converged state at `time`, if anything. Collective.
     pub(super) fn doubt(&self, time: f64) -> Option<Doubt> {
         if let Some(words) = self.freed_bodies(time) {
-            return Some(Doubt { words, is_final: true });
+            return Some(Doubt { words, is_final: true, is_cut: true });
         }
         let (problem, from) = (&self.problem, self.time);
-        let words = if problem.path.is_none()
-            && problem.onset.is_missed(problem.comm, &problem.interfaces)
-        {
+        let is_cut =
+            problem.path.is_none() && problem.onset.is_missed(problem.comm, &problem.interfaces);
+        let words = if is_cut {
             let place = self.place_of(problem.onset.lowest(&problem.all))?;
             format!(
                 "the step from {from} to {time} is too long: on its way the first to give way is \
@@ -49,7 +52,7 @@ impl Stepper<'_> {
                  is open and pressed at the same time"
             )
         };
-        Some(Doubt { words, is_final: false })
+        Some(Doubt { words, is_final: false, is_cut })
     }
 
     /// Goes on from a state in spite of a doubt, with a warning, or ends the run.
