@@ -40,7 +40,7 @@ axes:
       - {label: gentle, set: {title: gentle}}
       # A force that nothing holds once the interface is broken.
       - {label: torn, set: {boundary.1: {on: top, traction: {z: {table: [[0, 0], [1, 2.0e+6]]}}}}}
-      - {label: endless, ranks: 2, set: {mesh.column.cells: [6, 6, 30], time.instants: [INSTANTS]}}
+      - {label: endless, ranks: 2, set: {mesh.column.cells: [16, 16, 80], reduce: never, time.instants: [INSTANTS]}}
       - {label: slow, set: {title: slow}}
 measures:
   - {name: traction_error, error: joint.normal_traction, at: last, against: {equals: 1017312.0728929385}}
@@ -237,7 +237,7 @@ fn an_interrupted_study_goes_on_and_runs_nothing_twice() {
 #[test]
 fn shares_of_a_study_add_up() {
     let quick = STUDY.replace(
-        "endless, ranks: 2, set: {mesh.column.cells: [6, 6, 30], time.instants: [INSTANTS]}",
+        "endless, ranks: 2, set: {mesh.column.cells: [16, 16, 80], reduce: never, time.instants: [INSTANTS]}",
         "two, ranks: 2",
     );
     let folder = Folder::new(&quick);
