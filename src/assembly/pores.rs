@@ -143,6 +143,18 @@ impl PoreSpace {
         }
     }
 
+    /// The largest sum of the magnitudes of what displacements of 1 m add to the balance at a node (m3/m).
+    /// Local: the same on all ranks that have the same prototypes.
+    pub fn largest_coupling(&self) -> f64 {
+        let corners = self.corners();
+        let at = |cell: &PorousCell, corner: usize| {
+            cell.coupling().iter().skip(corner).step_by(corners).map(|k| k.abs()).sum::<f64>()
+        };
+        let all = |cell| (0..corners).map(move |corner| at(cell, corner));
+        // As many cells meet at a node.
+        corners as f64 * self.prototypes.iter().flat_map(all).fold(0.0, f64::max)
+    }
+
     /// Adds b times the volume that displacements make in cells, and the volume that opens between lips, at
     /// the shares of the local pressure nodes (m3): the transpose of [`PoreSpace::add_forces`]. Local.
     pub fn add_volumes(&self, all: &Discretization, u: &[f64], volume: &mut [f64]) {

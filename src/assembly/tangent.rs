@@ -337,8 +337,8 @@ pub(super) fn transform_diagonal(all: &Discretization, state: &[NodeState], diag
 
 /// Adds the law's tangent at an owned secondary node: sum of weight a_k C a_l over its rows, and
 /// explicit zeros where the state may put a value later. Beside prescribed components the weights
-/// of a node's components differ; their geometric mean keeps the tangent symmetric, at the price of
-/// more corrections there.
+/// of a node's components differ; their geometric mean keeps the matrix symmetric. What it leaves out
+/// is added to the corrections.
 fn add_law(
     all: &Discretization,
     rows: &crate::interface::JumpRows<u32>,

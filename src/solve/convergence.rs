@@ -53,6 +53,13 @@ const UNITS: f64 = 32.0;
 /// Where the largest force is no more than this many times the rounding, none acts.
 const MEANINGLESS: f64 = 1e3;
 
+/// Whether what is missing in a balance, at most, is no more than what rounding leaves of parts that
+/// cancel, of size `cancelling` at most, beside which its largest part `scale` is nothing either.
+pub fn is_rounding(missing: f64, scale: f64, cancelling: f64) -> bool {
+    let rounding = UNITS * f64::EPSILON * cancelling;
+    missing <= rounding && scale <= MEANINGLESS * rounding
+}
+
 /// How large what makes up a state is at its nodes, at most.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Scales {
@@ -183,6 +190,11 @@ impl Convergence {
         self.accepted
     }
 
+    /// The largest force that may be out of balance (N).
+    pub fn tolerated_force(&self) -> f64 {
+        self.tolerance * self.current.force.max(self.accepted[0])
+    }
+
     /// Takes the scales of the states that an earlier run accepted.
     pub fn resume(&mut self, accepted: [f64; 2]) {
         self.accepted = accepted;
@@ -251,8 +263,7 @@ impl Convergence {
         }
         let worst = worst.over_ranks(comm);
         let defect: Vec<Worst> = defect.into_iter().map(|d| d.over_ranks(comm)).collect();
-        let rounding = UNITS * f64::EPSILON * scales.cancelling;
-        let is_rounding = worst.value <= rounding && force_scale <= MEANINGLESS * rounding;
+        let is_rounding = is_rounding(worst.value, force_scale, scales.cancelling);
         let out_of_balance = if is_rounding { 0.0 } else { worst.value / force_scale };
         let largest = defect.iter().map(|d| d.value).fold(0.0, f64::max);
         Measure { worst, defect, out_of_balance, largest }

@@ -134,7 +134,7 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         &mut self,
         _x: &[f64],
         correction: &mut [f64],
-        _solve: &mut FurtherSolve<'_>,
+        solve: &mut FurtherSolve<'_>,
     ) -> Result<()> {
         let (problem, Coupling { blocks, earlier, .. }) = (&mut *self.problem, &mut *self.coupling);
         problem.interfaces.lean = 1.0;
@@ -142,6 +142,8 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         let (u, p) = correction.split_at_mut(blocks.split);
         problem.set_known(u);
         blocks.for_identity_rows(|node| p[node] = 0.0);
+        problem.add_unsymmetric(correction, solve)?;
+        let u = &mut correction[..blocks.split];
         condensed::follow(&problem.all, &problem.interfaces, u);
         if !blocks.has_pressures {
             problem.keep(u);

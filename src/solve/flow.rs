@@ -9,6 +9,7 @@ pub use accounts::FluidBalance;
 use std::rc::Rc;
 
 use super::Problem;
+use super::convergence::is_rounding;
 use super::pace::Pace;
 use crate::assembly::{Discretization, PoreSpace};
 use crate::bulk::{FlowStep, Loads};
@@ -224,7 +225,7 @@ impl Flow {
         let owned = f.len();
         let mut free = sizes;
         self.space.for_identity_rows(|node| free[node] = 0.0);
-        let mut worst = [largest(&rows[..owned]), largest(&free[..owned])];
+        let mut worst = [largest(&rows[..owned]), largest(&free[..owned]), largest(u)];
         comm.max(&mut worst);
         self.scales[1] = worst[1];
         let scale = worst[1].max(self.scales[0]);
@@ -234,7 +235,13 @@ impl Flow {
         for ((f, row), followed) in f.iter_mut().zip(&rows).zip(&followed) {
             *f = self.scale * (followed - row);
         }
-        if worst[0] == 0.0 { 0.0 } else { worst[0] / scale }
+        // Bodies that move as wholes make no volume but for rounding.
+        let cancelling = worst[2] * self.space.largest_coupling();
+        if worst[0] == 0.0 || is_rounding(worst[0], scale, cancelling) {
+            0.0
+        } else {
+            worst[0] / scale
+        }
     }
 
     /// The largest magnitude of the balance in the unit of a force (N). Local: the same on all ranks.

@@ -121,6 +121,9 @@ pub struct InterfaceState {
     pub dissipated: Vec<f64>,
     /// Augmented traction at the last accepted state, by displacement component (Pa).
     pub accepted: Vec<[f64; 3]>,
+    /// That from which laws answer linearly in the running step: the accepted one, or where the node
+    /// has opened or closed on the way (Pa).
+    pub(super) base: Vec<[f64; 3]>,
     /// The answers at the last evaluated state.
     pub response: Vec<NodeResponse>,
     /// How much larger than they are augmented tractions are taken.
@@ -156,6 +159,7 @@ impl InterfaceState {
             committed,
             dissipated,
             accepted: vec![[0.0; 3]; owned],
+            base: vec![[0.0; 3]; owned],
             response,
             lean: 1.0,
             damping: None,
@@ -218,13 +222,13 @@ impl InterfaceState {
         }
     }
 
-    /// Lets the laws of the nodes that are `marked`, or of all, answer linearly from the last accepted
-    /// state, at the state that was evaluated last. Local.
-    pub(super) fn linearise_at_accepted(&mut self, all: &Discretization, marked: Option<&[bool]>) {
+    /// Lets the laws of the nodes that are `marked`, or of all, answer linearly from their base, at the
+    /// state that was evaluated last. Local.
+    pub(super) fn linearise_at_base(&mut self, all: &Discretization, marked: Option<&[bool]>) {
         for index in (0..self.response.len()).filter(|index| marked.is_none_or(|m| m[*index])) {
             let (rows, here) = (&all.secondary[index], self.augmented(all, index));
             let law = self.law_at(index, rows);
-            let p = self.accepted[index].map(|p| self.lean * p);
+            let p = self.base[index].map(|p| self.lean * p);
             let answer = law.respond(to_local(p, self.dim), 0.0, self.committed[index], self.dim);
             let shift = std::array::from_fn(|c| p[c] - here[c]);
             let NodeResponse { bulk_traction, jump, .. } = self.response[index];

@@ -28,6 +28,7 @@ mod setup;
 mod stability;
 mod state;
 mod stepping;
+mod unsymmetric;
 mod whole;
 
 pub use coupled::Coupling;

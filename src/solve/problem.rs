@@ -85,6 +85,8 @@ pub struct Problem<'a> {
     recycle: Recycle,
     rigid: RigidMotions,
     prediction: Prediction,
+    /// Corrections of the running step in which points have opened or closed before others give way.
+    turns: usize,
     /// Whether some laws answered from the last accepted state in the last evaluation.
     waits: bool,
     /// 2-norm of the residual that was judged last.
@@ -141,6 +143,7 @@ impl<'a> Problem<'a> {
             recycle: Recycle::default(),
             rigid,
             prediction: Prediction::default(),
+            turns: 0,
             waits: false,
             judged_norm: 0.0,
             onset: Onset::default(),

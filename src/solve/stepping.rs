@@ -188,6 +188,8 @@ impl<'a> Stepper<'a> {
         let smallest = (instant - self.time) / f64::from(1 << MOST_HALVINGS);
         let step = self.step.min(instant - self.time);
         let (mut step, smallest) = self.paused.take().unwrap_or((step, smallest));
+        // Where parts of a step that was cut for a doubt fail, all that is left is tried once more.
+        let (mut was_doubted, mut is_last) = (false, false);
         while self.time < instant {
             self.stop_if_asked(self.longest)?;
             let (started, counts) = (Instant::now(), *total);
@@ -219,7 +221,9 @@ impl<'a> Stepper<'a> {
             let consequence = consequence.inspect_err(|_| *total = counts)?;
             let is_taken = converged && !matches!(consequence, Consequence::Cut);
             let mut doubt = if is_taken { self.doubt(target) } else { None };
-            if is_taken && !doubt.as_ref().is_some_and(|doubt| doubt.is_worth(step, smallest)) {
+            if is_taken
+                && !doubt.as_ref().is_some_and(|doubt| doubt.is_worth(step, smallest, is_last))
+            {
                 if let Some(doubt) = doubt.take() {
                     self.bear(doubt)?;
                 }
@@ -255,6 +259,15 @@ impl<'a> Stepper<'a> {
                     "{why}; a step of {step:e} from {} changes nothing (solver.stability: warn goes on)",
                     self.time
                 )));
+            }
+            was_doubted |= doubt.is_some();
+            if step <= smallest && was_doubted && !is_last {
+                tracing::info!(
+                    "  step from {} to {target} failed: {why}; {instant} at once",
+                    self.time
+                );
+                (is_last, step) = (true, instant - self.time);
+                continue;
             }
             if step <= smallest {
                 return Err(Error::Numerics(format!(

@@ -1,8 +1,8 @@
 //! The case that a scene stands for.
 
-use crate::case::{Case, Entry, Field, Joint, Law, Material, Porous};
+use crate::case::{self, Case, Entry, Field, Fluid, Joint, Law, Material, Porous};
 use crate::closed::Bars;
-use crate::scene::{Body, Pores, Scene, Support};
+use crate::scene::{Body, Control, Film, Pores, Scene, Support};
 
 const YOUNG: [f64; 6] = [1.0, 1.0, 2.0, 5.0, 10.0, 50.0];
 const POISSON: [f64; 4] = [0.0, 0.0, 0.2, 0.35];
@@ -106,7 +106,7 @@ impl Scene {
             (_, _, true) => 1.0 + 3.0 * (height / narrowest).powi(2),
         };
         let mut contacts = 0;
-        let mut joints: Vec<Joint> = Vec::new();
+        let (mut joints, mut pressures): (Vec<Joint>, Vec<f64>) = (Vec::new(), Vec::new());
         for (index, body) in self.bodies.iter().enumerate().skip(1) {
             let strength = stress * (1.0 + 0.1 * (4 * body.rank + index - 1) as f64);
             let energy = spare * TOUGHNESS[body.toughness] * strength * strength * compliance;
@@ -129,16 +129,24 @@ impl Scene {
                 }
                 _ => Law::Tied,
             };
-            let fluid = (body.fluid != 0).then(|| 0.25 * f64::from(body.fluid) * stress);
+            pressures.push(0.25 * f64::from(body.fluid) * stress);
             joints.push(Joint {
                 name: format!("j{index}"),
                 z: levels[index],
                 law,
                 secondary: None,
-                fluid,
+                fluid: None,
+                imperfection: None,
             });
         }
         let (ends, path) = self.ends(stress, length);
+        for (index, joint) in joints.iter_mut().enumerate().filter(|(i, _)| pressures[*i] != 0.0) {
+            let fluid = self.fluid(pressures[index], &path, 1e3 * length);
+            // Where lips are tied there is no room for a fluid of its own.
+            let fits = joint.law != Law::Tied || !matches!(fluid, Fluid::Flows { .. });
+            joint.fluid = fits.then_some(fluid);
+        }
+        self.weaken(&mut joints, size);
         let boundary = self.boundary(flat, size, &path, length, stress);
         let initial_pressure = match self.pores {
             Pores::Flow(n) => 0.25 * f64::from(n) * stress,
@@ -146,11 +154,14 @@ impl Scene {
         };
         let weight = f64::from(self.weight) * stress / (8.0 * height);
         let tolerance = if self.default_tolerance { 1e-9 } else { 1e-11 };
-        let bars = (!self.uneven() && self.pores == Pores::None).then(|| Bars {
+        let is_plain = self.control == Control::Loads && self.imperfection == [0, 0];
+        let is_constant = !self.rising || pressures.iter().all(|p| *p == 0.0);
+        let is_even = !self.uneven() && self.pores == Pores::None;
+        let bars = (is_even && is_plain && is_constant).then(|| Bars {
             levels: levels.clone(),
             moduli: materials.iter().map(stiffness).collect(),
             laws: joints.iter().map(|j| j.law).collect(),
-            pressures: joints.iter().map(|j| j.fluid.unwrap_or(0.0)).collect(),
+            pressures,
             force: weight,
             loaded: self.loaded,
             ends,
@@ -176,16 +187,55 @@ impl Scene {
             order: 1 + usize::from(self.second_order),
             refine: 0,
             materials,
-            joints,
             boundary,
             body_force: [0.0, 0.0, weight],
             initial_pressure,
             instants: (1..=path.path.len().max(2) - 1).map(|t| t as f64).collect(),
             probe: [0.3 * size[0], if flat { 0.0 } else { 0.4 * size[1] }, 0.45 * levels[1]],
+            control: self.path_followed(&joints, length),
             more: Vec::new(),
+            joints,
             tolerance,
         };
         Built { case, stress, length, bars }
+    }
+
+    /// What fills an interface; `mass` per area opens it as far as the load.
+    fn fluid(&self, pressure: f64, path: &Field, mass: f64) -> Fluid {
+        let flow = matches!(self.pores, Pores::Flow(_));
+        if let (true, Film::Flows(quarters)) = (flow, self.film) {
+            return Fluid::Flows { injection: 0.25 * f64::from(quarters) * mass };
+        }
+        let constant = Field::constant(pressure);
+        let pressure = if self.rising { path.scaled(0.0).raised(pressure) } else { constant };
+        Fluid::Known { pressure, connected: flow && self.film == Film::Connected }
+    }
+
+    /// Makes the first interface that has a strength weaker, by `imperfection`.
+    fn weaken(&self, joints: &mut [Joint], size: [f64; 3]) {
+        let [all, along] = self.imperfection.map(|n| 0.05 * f64::from(n));
+        let first = joints.iter_mut().find(|j| !matches!(j.law, Law::Contact | Law::Tied));
+        if let Some(joint) = first.filter(|_| (all, along) != (0.0, 0.0)) {
+            let mut factor = Field::constant(1.0 - all);
+            factor.tilt[0] = along / size[0];
+            factor.centre = size.map(|s| 0.5 * s);
+            joint.imperfection = Some(factor);
+        }
+    }
+
+    /// The control of a path along which the first interface that softens breaks.
+    fn path_followed(&self, joints: &[Joint], length: f64) -> Option<case::Control> {
+        let name = &joints.iter().find(|j| !matches!(j.law, Law::Contact | Law::Tied))?.name;
+        match self.control {
+            // The factor scales no pressures.
+            _ if self.pores != Pores::None || joints.iter().any(|j| j.fluid.is_some()) => None,
+            Control::Loads => None,
+            Control::Dissipation => Some(case::Control::Dissipation(name.clone())),
+            Control::Opening => {
+                let path = vec![[0.0, 0.0], [self.path.len().max(1) as f64, length]];
+                Some(case::Control::Opening(name.clone(), Field { path, ..Field::constant(0.0) }))
+            }
+        }
     }
 
     /// What the top is moved or loaded by: at the instants, and over time.

@@ -149,7 +149,51 @@ pub struct Joint {
     pub law: Law,
     /// Whether the upper side carries the multipliers.
     pub secondary: Option<bool>,
-    pub fluid: Option<f64>,
+    pub fluid: Option<Fluid>,
+    /// Factor of strength and energy.
+    pub imperfection: Option<Field>,
+}
+
+/// What a path is followed by, at an interface.
+#[derive(Clone, PartialEq)]
+pub enum Control {
+    Opening(String, Field),
+    Dissipation(String),
+}
+
+impl Control {
+    fn yaml(&self) -> String {
+        match self {
+            Self::Opening(of, jump) => {
+                format!("{{opening: {{of: {of}, equals: {}}}}}", jump.yaml())
+            }
+            Self::Dissipation(of) => format!("{{dissipation: {{of: {of}, step: 0.125}}}}"),
+        }
+    }
+}
+
+/// What fills an interface.
+#[derive(Clone, PartialEq)]
+pub enum Fluid {
+    /// Of a known pressure, which the pores at the lips may have too.
+    Known { pressure: Field, connected: bool },
+    /// Of a pressure of its own; with what is injected per area and time.
+    Flows { injection: f64 },
+}
+
+impl Fluid {
+    fn yaml(&self) -> String {
+        match self {
+            Self::Known { pressure, connected: false } => {
+                format!("{{pressure: {}}}", pressure.yaml())
+            }
+            Self::Known { pressure, connected: true } => {
+                format!("{{pressure: {}, connected: true}}", pressure.yaml())
+            }
+            Self::Flows { injection: 0.0 } => "{flow: true}".into(),
+            Self::Flows { injection } => format!("{{injection: {injection:e}}}"),
+        }
+    }
 }
 
 #[derive(Clone, PartialEq, Default)]
@@ -178,6 +222,7 @@ pub struct Case {
     pub initial_pressure: f64,
     pub instants: Vec<f64>,
     pub probe: [f64; 3],
+    pub control: Option<Control>,
     /// Other keys at the top of the file.
     pub more: Vec<String>,
     pub tolerance: f64,
@@ -239,11 +284,11 @@ impl Case {
         if !self.joints.is_empty() {
             out.push_str("interfaces:\n");
         }
-        for Joint { name, z, law, secondary, fluid } in &self.joints {
+        for Joint { name, z, law, secondary, fluid, .. } in &self.joints {
             let side = secondary.map_or(String::new(), |upper| {
                 format!(", secondary: {}", if upper { "upper" } else { "lower" })
             });
-            let fluid = fluid.map_or(String::new(), |p| format!(", fluid: {{pressure: {p:e}}}"));
+            let fluid = fluid.as_ref().map_or(String::new(), |f| format!(", fluid: {}", f.yaml()));
             let _ =
                 writeln!(out, "  - {{name: {name}, z: {z:e}, law: {}{side}{fluid}}}", law.yaml());
         }
@@ -265,8 +310,20 @@ impl Case {
                 self.axes().into_iter().map(|a| format!("{}: {:e}", AXES[a], self.body_force[a]));
             let _ = writeln!(out, "body_force: {{{}}}", force.collect::<Vec<_>>().join(", "));
         }
+        let mut initial = Vec::new();
         if self.initial_pressure != 0.0 {
-            let _ = writeln!(out, "initial: {{pressure: {:e}}}", self.initial_pressure);
+            initial.push(format!("pressure: {:e}", self.initial_pressure));
+        }
+        let factors = self.joints.iter().filter_map(|joint| {
+            let factor = joint.imperfection.as_ref()?.yaml();
+            Some(format!("{{interface: {}, factor: {factor}}}", joint.name))
+        });
+        let factors = factors.collect::<Vec<_>>().join(", ");
+        if !factors.is_empty() {
+            initial.push(format!("imperfection: [{factors}]"));
+        }
+        if !initial.is_empty() {
+            let _ = writeln!(out, "initial: {{{}}}", initial.join(", "));
         }
         let instants =
             self.instants.iter().map(|t| format!("{t:e}")).collect::<Vec<_>>().join(", ");
@@ -277,6 +334,9 @@ impl Case {
              solver: {{tolerance: {:e}}}",
             self.tolerance
         );
+        if let Some(control) = &self.control {
+            let _ = writeln!(out, "control: {}", control.yaml());
+        }
         for line in &self.more {
             let _ = writeln!(out, "{line}");
         }

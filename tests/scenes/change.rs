@@ -1,6 +1,6 @@
 //! Changes that must not matter: what becomes of a case, and of the names and values of its results.
 
-use crate::case::{AXES, Case, Entry, Face, Field, Law, face_name};
+use crate::case::{AXES, Case, Control, Entry, Face, Field, Fluid, Law, face_name};
 
 /// What a column of the history holds: values of a kind are comparable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,14 +80,16 @@ impl Change {
         })
     }
 
+    fn field(&self, field: &Field, factor: f64, size: [f64; 3]) -> Field {
+        Field {
+            tilt: self.vector(&field.tilt, |t| -t).map(|t| t / self.length),
+            centre: self.place(field.centre, size),
+            ..field.scaled(factor)
+        }
+    }
+
     fn fields(&self, of: &[Option<Field>; 3], factor: f64, size: [f64; 3]) -> [Option<Field>; 3] {
-        let inner = |field: &Option<Field>| {
-            field.as_ref().map(|f| Field {
-                tilt: self.vector(&f.tilt, |t| -t).map(|t| t / self.length),
-                centre: self.place(f.centre, size),
-                ..f.scaled(factor)
-            })
-        };
+        let inner = |field: &Option<Field>| field.as_ref().map(|f| self.field(f, factor, size));
         self.vector(&of.each_ref().map(inner), |f| f.as_ref().map(|f| f.scaled(-1.0)))
     }
 
@@ -114,7 +116,15 @@ impl Change {
         for joint in &mut new.joints {
             joint.z = level(joint.z);
             joint.secondary = joint.secondary.map(|upper| upper != self.turned[2]);
-            joint.fluid = joint.fluid.map(|p| p * stress);
+            joint.imperfection = joint.imperfection.as_ref().map(|f| self.field(f, 1.0, case.size));
+            joint.fluid = joint.fluid.as_ref().map(|fluid| match fluid {
+                Fluid::Known { pressure, connected } => {
+                    Fluid::Known { pressure: pressure.scaled(stress), connected: *connected }
+                }
+                Fluid::Flows { injection } => {
+                    Fluid::Flows { injection: injection * stress / length }
+                }
+            });
             joint.law = match joint.law {
                 Law::Linear { strength, energy } => {
                     Law::Linear { strength: strength * stress, energy: energy * per_area }
@@ -149,6 +159,9 @@ impl Change {
         new.boundary = case.boundary.iter().map(entry).collect();
         new.body_force = self.vector(&case.body_force, |f| -f).map(|f| f * stress / length);
         new.initial_pressure *= stress;
+        if let Some(Control::Opening(_, jump)) = &mut new.control {
+            *jump = jump.scaled(length);
+        }
         new.probe = self.place(case.probe, case.size);
         new
     }

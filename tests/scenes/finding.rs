@@ -52,6 +52,17 @@ pub fn shrink(seed: u64, relation: Relation, failure: Failure) -> (Scene, Failur
     best
 }
 
+/// Writes the case of a seed; returns its place below the package.
+pub fn write_case(seed: u64) -> String {
+    let scene = tree(seed).current();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let place = format!("results/scenes/{seed}.yaml");
+    fs::create_dir_all(root.join("results/scenes")).expect("the package is writable");
+    let text = format!("# Scene of seed {seed}: {}\n{}", scene.words(), scene.build().case.yaml());
+    fs::write(root.join(&place), text).expect("the package is writable");
+    place
+}
+
 /// Writes the two cases of a finding; returns the place of the first below the package.
 pub fn write(seed: u64, relation: Relation, scene: &Scene, failure: &Failure) -> String {
     let built = scene.build();

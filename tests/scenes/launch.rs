@@ -177,6 +177,10 @@ fn launch(ranks: usize, args: &[String], place: &Path) -> (Option<i32>, String) 
         thread::sleep(Duration::from_millis(5));
     };
     let text = fs::read_to_string(&said).unwrap_or_default();
-    let error = text.lines().find(|l| l.starts_with("error")).unwrap_or(text.trim());
+    let mut errors = text.lines().filter(|l| l.starts_with("error"));
+    let mut error = errors.next().unwrap_or(text.trim()).to_owned();
+    if let Some(more) = errors.find(|l| l.contains("rounding alone leaves")) {
+        error = format!("{error}; {more}");
+    }
     (status, error.replace(&format!("{}/", place.display()), ""))
 }

@@ -59,6 +59,9 @@ struct Words {
     /// The relations of the usual tests alone.
     #[arg(long)]
     choice: bool,
+    /// The cases are written, not run.
+    #[arg(long)]
+    cases: bool,
 }
 
 /// What was found of how many.
@@ -97,9 +100,14 @@ fn main() -> ExitCode {
     });
     let start = Instant::now();
     let limit = words.minutes.map(|m| Duration::from_secs_f64(60.0 * m));
-    let count = words.count.unwrap_or(if limit.is_some() { u64::MAX } else { 100 });
+    let endless = limit.is_some() && !words.cases;
+    let count = words.count.unwrap_or(if endless { u64::MAX } else { 100 });
     let (next, tally) = (AtomicU64::new(0), Mutex::new(Tally::default()));
     let panics = AtomicUsize::new(0);
+    if words.cases {
+        (0..count).for_each(|turn| println!("{}", finding::write_case(words.seed + turn)));
+        return ExitCode::SUCCESS;
+    }
     thread::scope(|scope| {
         for _ in 0..words.workers {
             scope.spawn(|| {

@@ -1,10 +1,10 @@
 //! The relations that scenes are held against.
 
 use crate::build::Built;
-use crate::case::{Case, Entry, Field, Law};
+use crate::case::{self, Case, Entry, Field, Joint, Law};
 use crate::change::Change;
 use crate::launch::Setting;
-use crate::scene::{Pores, Scene};
+use crate::scene::{Control, Pores, Scene};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Relation {
@@ -75,6 +75,7 @@ impl Relation {
             R::SecondaryLower,
             R::TwoRanks,
             R::Multigrid,
+            R::SaddlePoint,
         ];
         few.contains(&self)
     }
@@ -177,8 +178,9 @@ pub fn pair(relation: Relation, scene: &Scene, built: &Built) -> Option<Pair> {
             let plain = |law: Law| !matches!(law, Law::Contact | Law::Tied | Law::Bilinear { .. });
             let any = case.joints.iter().any(|j| plain(j.law));
             let all = case.joints.iter().all(|j| plain(j.law) || j.law == Law::Tied);
-            tied.joints.iter_mut().for_each(|j| j.law = Law::Tied);
-            (any && all).then(|| Pair::case(case, tied))
+            let tie = |joint: &mut Joint| (joint.law, joint.imperfection) = (Law::Tied, None);
+            tied.joints.iter_mut().for_each(tie);
+            (any && all && case.control.is_none()).then(|| Pair::case(case, tied))
         }
         Relation::Exchanged => solid.then(|| changed([1, 0, 2], [false; 3]))?,
         Relation::MirroredX => changed([0, 1, 2], [true, false, false]),
@@ -245,11 +247,14 @@ pub fn pair(relation: Relation, scene: &Scene, built: &Built) -> Option<Pair> {
         Relation::Gamg => Some(Pair::set(case, "solver.linear=gamg")),
         Relation::Hypre => Some(Pair::set(case, "solver.linear=hypre")),
         Relation::Multigrid => Some(Pair::set(case, "solver.linear=multigrid")),
-        Relation::SaddlePoint => (!flow).then(|| Pair::set(case, "solver.form=saddle_point")),
+        Relation::SaddlePoint => {
+            (!flow && case.control.is_none()).then(|| Pair::set(case, "solver.form=saddle_point"))
+        }
         Relation::Halves => halves(built),
         Relation::Restarted => {
             let fields = Setting { fields: true, ..Setting::PLAIN };
-            let stop = case.instants.len() / 2;
+            // A path has increments in the place of instants.
+            let stop = if case.control.is_none() { case.instants.len() / 2 } else { 0 };
             let setting = Setting { stop: Some(stop), ..fields.clone() };
             (stop > 0).then(|| Pair { base_setting: fields, setting, ..Pair::of(case) })
         }
@@ -301,7 +306,10 @@ pub fn pair(relation: Relation, scene: &Scene, built: &Built) -> Option<Pair> {
             let mut other = case.clone();
             let mut any = false;
             for joint in &mut other.joints {
-                if let Law::Linear { strength, energy } = joint.law {
+                let dissipation = scene.control == Control::Dissipation;
+                if let Law::Linear { strength, energy } = joint.law
+                    && !dissipation
+                {
                     any = true;
                     joint.law =
                         Law::Modes { strength: [strength; 2], energy: [energy; 2], exponent: 1.7 };
@@ -343,17 +351,14 @@ fn opening(scene: &Scene, built: &Built) -> Option<Pair> {
     }
     // The displacements at an instant are the values there times 1: the factor scales the last ones.
     let mut other = built.case.clone();
-    let end = bars.ends[bars.ends.len() - 1];
     for entry in &mut other.boundary {
-        for field in entry.displacement.iter_mut().flatten().filter(|f| f.path.len() > 1) {
-            *field = Field::constant(end);
+        for field in entry.displacement.iter_mut().flatten() {
+            *field = Field::constant(field.path[field.path.len() - 1][1]);
         }
     }
-    let points = built.case.instants.iter().zip(&jumps).map(|(t, j)| format!("[{t:e}, {j:e}]"));
-    let points = points.collect::<Vec<_>>().join(", ");
-    other.more.push(format!(
-        "control: {{opening: {{of: {}, equals: {{table: [[0, 0], {points}]}}}}}}",
-        built.case.joints[opened].name
-    ));
+    let points = built.case.instants.iter().zip(&jumps).map(|(t, j)| [*t, *j]);
+    let path = std::iter::once([0.0, 0.0]).chain(points).collect();
+    let jump = Field { path, ..Field::constant(0.0) };
+    other.control = Some(case::Control::Opening(built.case.joints[opened].name.clone(), jump));
     Some(Pair::case(&built.case, other))
 }

@@ -24,6 +24,23 @@ pub enum Pores {
     Flow(i32),
 }
 
+/// What the path is followed by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Control {
+    Loads,
+    Opening,
+    Dissipation,
+}
+
+/// How fluids in interfaces act beside pores in which they flow.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Film {
+    Apart,
+    Connected,
+    /// Of its own pressure, with quarters of what opens the interface as far as the load in a unit of time.
+    Flows(i32),
+}
+
 #[derive(Debug, Clone)]
 pub struct Body {
     /// Layers of cells.
@@ -67,6 +84,12 @@ pub struct Scene {
     /// Nothing is done to keep it stable.
     pub wild: bool,
     pub default_tolerance: bool,
+    /// Pressures in interfaces grow from nothing.
+    pub rising: bool,
+    pub film: Film,
+    /// Twentieths by which the first interface is weaker, the same everywhere or along x.
+    pub imperfection: [i32; 2],
+    pub control: Control,
 }
 
 /// Mostly 0, so that most of the scenes are of few parts.
@@ -134,12 +157,25 @@ pub fn scenes() -> impl Strategy<Value = Scene> {
     ];
     let last =
         (pores, any::<bool>(), prop_oneof![11 => Just(false), 1 => Just(true)], any::<bool>());
-    (shape, across, bodies(), support, drive, uneven, last).prop_map(
-        |(shape, (cells, width), bodies, support, drive, uneven, last)| {
+    let film = prop_oneof![
+        2 => Just(Film::Apart),
+        1 => Just(Film::Connected),
+        1 => (0..=4_i32).prop_map(Film::Flows)
+    ];
+    let control = prop_oneof![
+        14 => Just(Control::Loads),
+        1 => Just(Control::Opening),
+        1 => Just(Control::Dissipation)
+    ];
+    let rare = |range: std::ops::RangeInclusive<i32>| prop_oneof![7 => Just(0), 1 => range];
+    let more = (any::<bool>(), film, [rare(1..=4), rare(-2..=2)], control);
+    (shape, across, bodies(), support, drive, uneven, last, more).prop_map(
+        |(shape, (cells, width), bodies, support, drive, uneven, last, more)| {
             let (solid, second_order, length, modulus) = shape;
             let (loaded, path, constant, gentle) = drive;
             let (shear, tilt, aside, weight) = uneven;
             let (pores, upright, wild, default_tolerance) = last;
+            let (rising, film, imperfection, control) = more;
             Scene {
                 solid,
                 second_order,
@@ -161,6 +197,10 @@ pub fn scenes() -> impl Strategy<Value = Scene> {
                 upright,
                 wild,
                 default_tolerance,
+                rising,
+                film,
+                imperfection,
+                control,
             }
         },
     )
@@ -185,6 +225,15 @@ impl Scene {
         }
         if self.pores != Pores::None {
             words.push(format!("{:?}", self.pores).to_lowercase());
+        }
+        if matches!(self.pores, Pores::Flow(_)) && self.film != Film::Apart {
+            words.push(format!("{:?}", self.film).to_lowercase());
+        }
+        if self.imperfection != [0, 0] {
+            words.push(format!("imperfection {:?}", self.imperfection));
+        }
+        if self.control != Control::Loads {
+            words.push(format!("{:?}", self.control).to_lowercase());
         }
         words.extend(
             [(self.constant, "constant"), (self.gentle, "gentle"), (self.wild, "wild")]

@@ -68,18 +68,22 @@ impl NonlinearSystem for Problem<'_> {
         self.interfaces.lean = 1.0;
         self.correct();
         self.set_known(correction);
+        self.add_unsymmetric(correction, solve)?;
         let part = self.convergence.part_of_step;
-        let Some(path) = self.path.as_mut().filter(|path| path.follows()) else {
+        let Some(path) = self.path.as_ref().filter(|path| path.follows()) else {
             condensed::follow(&self.all, &self.interfaces, correction);
             self.keep(correction);
             correction.iter_mut().for_each(|c| *c *= part);
             return Ok(());
         };
         let before = path.factor;
-        let (comm, all, state) = (self.comm, &self.all, &self.interfaces);
-        let rhs = path.load_residual(comm, all, state);
+        let rhs = path.load_residual(self.comm, &self.all, &self.interfaces);
         let mut along = vec![0.0; rhs.len()];
-        match solve(&rhs, &mut along) {
+        let solved = solve(&rhs, &mut along);
+        let solved = solved.and_then(|()| self.add_unsymmetric(&mut along, solve));
+        let (comm, all, state) = (self.comm, &self.all, &self.interfaces);
+        let path = self.path.as_mut().expect("looked at above");
+        match solved {
             Ok(()) => {
                 along
                     .iter_mut()
@@ -100,6 +104,10 @@ impl NonlinearSystem for Problem<'_> {
     fn trial(&mut self, correction: &[f64], norm: f64) -> Result<Trial> {
         if self.path.is_some() {
             // The correction is not yet the whole one.
+            return Ok(Trial::GoOn(None));
+        }
+        // The symmetric part alone leads elsewhere.
+        if self.has_unsymmetric() {
             return Ok(Trial::GoOn(None));
         }
         if self.decides_order() && norm > DIGITS_OF_ORDER * self.judged_norm {

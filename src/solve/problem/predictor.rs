@@ -8,7 +8,8 @@
 //! Between the accepted state and this answer the loads grow in proportion, so that the point which
 //! reaches its threshold first on the way does so in truth, and has grown its damage at the end of
 //! the step. Where several interfaces give way, open or close, the one that is first does so alone for
-//! one correction: the others may find themselves relieved.
+//! one correction: the others may find themselves relieved. What opens or closes before it gives way
+//! (an intrinsic law from rest) does so in corrections of its own, before anything gives way.
 
 use super::{Problem, Worst};
 use crate::assembly::Discretization;
@@ -31,7 +32,9 @@ pub(in crate::solve) enum Prediction {
 /// Points that reach their threshold within this part of the first one's way, and this part of the
 /// step, after it count as first too.
 const TOGETHER: [f64; 2] = [1e-2, 1e-3];
-/// Growth of the history beyond the threshold that is rounding, over the jump scale of the law.
+/// Corrections in which points open or close before others give way.
+const MOST_TURNS: usize = 4;
+/// Growth of the damage that is rounding.
 const ROUNDING: f64 = 1e-9;
 /// The place on the way is found to 2 to the power of minus this.
 const BISECTIONS: u32 = 12;
@@ -39,15 +42,17 @@ const BISECTIONS: u32 = 12;
 /// The points that give way first in a step.
 #[derive(Debug, Clone, Default)]
 pub(in crate::solve) struct Onset {
-    /// Owned secondary nodes that reach their threshold as the first ones, with their history then.
+    /// Owned secondary nodes that reach their threshold as the first ones, with their damage then.
     first: Vec<(usize, f64)>,
 }
 
 impl Onset {
     /// Whether points gave way on the way to the predicted state, but none of them has grown its
     /// damage in the state that was evaluated last. Collective.
-    pub fn is_missed(&self, comm: &Comm, state: &InterfaceState) -> bool {
-        let grown = |(index, history): &(usize, f64)| state.response[*index].history > *history;
+    pub fn is_missed(&self, comm: &Comm, all: &Discretization, state: &InterfaceState) -> bool {
+        let grown = |(index, damage): &(usize, f64)| {
+            state.damage_at(all, *index, state.response[*index].history) > *damage
+        };
         let is_there = comm.any(!self.first.is_empty());
         is_there && !comm.any(self.first.iter().any(grown))
     }
@@ -61,7 +66,7 @@ impl Onset {
 /// Parts of the way from the accepted state to the predicted one after which a node changes.
 #[derive(Debug, Clone, Copy, Default)]
 struct Changes {
-    /// Its history grows.
+    /// Its damage grows.
     grows: Option<f64>,
     /// Other components are stuck, as where a contact opens or closes.
     turns: Option<f64>,
@@ -72,6 +77,11 @@ impl Changes {
     fn first(self) -> Option<f64> {
         self.grows.into_iter().chain(self.turns).reduce(f64::min)
     }
+}
+
+/// Whether what changes after `part` of the way does so together with the first, after `first`.
+fn is_with(first: f64, part: f64) -> bool {
+    part <= first + TOGETHER[0] * first + TOGETHER[1]
 }
 
 /// The part of the way after which what holds at its end but not at its beginning does so.
@@ -88,20 +98,25 @@ fn part_of_way(holds: impl Fn(f64) -> bool) -> Option<f64> {
 }
 
 impl InterfaceState {
+    /// The damage at a node that a history stands for. Local.
+    fn damage_at(&self, all: &Discretization, index: usize, history: f64) -> f64 {
+        self.laws[all.secondary[index].interface].spec.law().damage(history)
+    }
+
     /// What changes at a node on the way to the state that was evaluated last. Local.
     fn changes_at(&self, all: &Discretization, index: usize) -> Changes {
         let rows = &all.secondary[index];
         let law = self.law_at(index, rows);
-        let [from, to] = [self.accepted[index], self.augmented(all, index)];
+        let [from, to] = [self.base[index], self.augmented(all, index)];
         let kappa = self.committed[index];
+        let damage = |history: f64| self.damage_at(all, index, history);
         let answer = |part: f64| {
             let p = std::array::from_fn(|c| from[c] + part * (to[c] - from[c]));
             law.respond(to_local(p, all.dim), 0.0, kappa, all.dim)
         };
         let stuck = answer(0.0).stuck;
-        let scale = self.laws[rows.interface].spec.law().typical_jump();
-        let least = scale.map_or(f64::INFINITY, |scale| kappa + ROUNDING * scale);
-        let grows = part_of_way(|part| answer(part).history > least);
+        let least = damage(kappa) + ROUNDING;
+        let grows = part_of_way(|part| damage(answer(part).history) > least);
         let turns = part_of_way(|part| answer(part).stuck != stuck);
         // What held and softens is not stuck any more from the same place on.
         let apart = 2.0 * 0.5_f64.powi(BISECTIONS as i32);
@@ -134,11 +149,15 @@ impl Problem<'_> {
                     return false;
                 }
                 let Some(waiting) = self.find_onset() else { return false };
+                if self.turns < MOST_TURNS && self.turn() {
+                    self.turns += 1;
+                    self.prediction = Prediction::Due;
+                }
                 Some(waiting)
             }
         };
         self.waits = true;
-        self.interfaces.linearise_at_accepted(&self.all, waiting.as_deref());
+        self.interfaces.linearise_at_base(&self.all, waiting.as_deref());
         true
     }
 
@@ -189,6 +208,35 @@ impl Problem<'_> {
     pub(in crate::solve) fn predict(&mut self) {
         self.prediction = Prediction::Due;
         self.onset = Onset::default();
+        self.turns = 0;
+        self.interfaces.base.clone_from(&self.interfaces.accepted);
+    }
+
+    /// Takes nodes that have opened or closed on the way to the state that was evaluated last to where
+    /// they have, if that is before any has given way. Whether it is. Collective.
+    fn turn(&mut self) -> bool {
+        let (all, state) = (&self.all, &self.interfaces);
+        let changes = (0..state.response.len()).map(|index| state.changes_at(all, index));
+        let changes: Vec<Changes> = changes.collect();
+        let mut first = [f64::INFINITY; 2];
+        for Changes { turns, grows } in &changes {
+            for (first, part) in first.iter_mut().zip([turns, grows]) {
+                *first = first.min(part.unwrap_or(f64::INFINITY));
+            }
+        }
+        self.comm.min(&mut first);
+        let [turns, grows] = first;
+        if turns >= grows || is_with(turns, grows) {
+            return false;
+        }
+        for (index, changes) in changes.iter().enumerate() {
+            let Some(part) = changes.turns.filter(|part| is_with(turns, *part)) else { continue };
+            let (from, to) =
+                (self.interfaces.base[index], self.interfaces.augmented(&self.all, index));
+            self.interfaces.base[index] =
+                std::array::from_fn(|c| from[c] + part * (to[c] - from[c]));
+        }
+        true
     }
 
     /// Finds the points that give way first on the way to the state that was evaluated last, and
@@ -213,13 +261,13 @@ impl Problem<'_> {
         let least = |parts: &[f64]| parts.iter().copied().fold(f64::INFINITY, f64::min);
         let [first, grows] = [least(&earliest[..count]), least(&earliest[count..2 * count])];
         let turns = earliest[2 * count];
-        let [part, rest] = TOGETHER;
-        let is_with = |first: f64, onset: f64| onset <= first + part * first + rest;
         // Where a contact opens or closes before that, the loads do not grow in proportion up to there.
         if grows.is_finite() && turns >= grows {
             let nodes = changes.iter().enumerate();
             let firsts = nodes.filter(|(_, c)| c.grows.is_some_and(|part| is_with(grows, part)));
-            self.onset.first = firsts.map(|(index, _)| (index, state.committed[index])).collect();
+            self.onset.first = firsts
+                .map(|(index, _)| (index, state.damage_at(all, index, state.committed[index])))
+                .collect();
         }
         let waits: Vec<bool> = (0..count)
             .map(|i| earliest[count + i].is_finite() && !is_with(first, earliest[i]))

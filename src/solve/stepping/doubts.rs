@@ -4,9 +4,13 @@ use super::Stepper;
 use crate::error::Result;
 use crate::solve::interfaces::to_local;
 
-/// Jumps above this part of the jump scale of the law, and pressures above this part of its
-/// strength, are no rounding.
-const PLAIN: f64 = 1e-6;
+/// Jumps above this part of the jump scale of the law are no rounding.
+const OPEN: f64 = 1e-6;
+
+/// Open lips pressed by more than this part of the strength speak of a step that turns too far. (A
+/// law of two modes presses them by the order of the step.)
+const PRESSED: f64 = 1e-2;
+const PRESSED_LIPS: &str = "is open and pressed at the same time";
 
 /// What speaks against a converged state.
 pub(super) struct Doubt {
@@ -14,18 +18,17 @@ pub(super) struct Doubt {
     pub words: String,
     /// Whether a run cannot go on from it.
     pub is_final: bool,
-    /// Whether shorter steps are tried: not for lips that a law presses, whose values in the steps
-    /// that were asked for are what cases expect.
-    is_cut: bool,
+    /// Whether it is of lips that are open and pressed, which goes on over many steps.
+    is_of_lips: bool,
 }
 
 /// Steps are cut for doubts that are not final down to so many of the smallest ones.
 const WORTH: f64 = 64.0;
 
 impl Doubt {
-    /// Whether a step of size `step` is worth cutting.
-    pub(super) fn is_worth(&self, step: f64, smallest: f64) -> bool {
-        self.is_cut && step > if self.is_final { smallest } else { WORTH * smallest }
+    /// Whether a step of size `step` is worth cutting; `is_last` where none of its parts were solved.
+    pub(super) fn is_worth(&self, step: f64, smallest: f64, is_last: bool) -> bool {
+        if self.is_final { step > smallest } else { !is_last && step > WORTH * smallest }
     }
 }
 
@@ -33,12 +36,12 @@ impl Stepper<'_> {
     /// What speaks against the converged state at `time`, if anything. Collective.
     pub(super) fn doubt(&self, time: f64) -> Option<Doubt> {
         if let Some(words) = self.freed_bodies(time) {
-            return Some(Doubt { words, is_final: true, is_cut: true });
+            return Some(Doubt { words, is_final: true, is_of_lips: false });
         }
         let (problem, from) = (&self.problem, self.time);
-        let is_cut =
-            problem.path.is_none() && problem.onset.is_missed(problem.comm, &problem.interfaces);
-        let words = if is_cut {
+        let is_missed = problem.path.is_none()
+            && problem.onset.is_missed(problem.comm, &problem.all, &problem.interfaces);
+        let words = if is_missed {
             let place = self.place_of(problem.onset.lowest(&problem.all))?;
             format!(
                 "the step from {from} to {time} is too long: on its way the first to give way is \
@@ -49,16 +52,21 @@ impl Stepper<'_> {
             let place = self.place_of(pressed)?;
             format!(
                 "the step from {from} to {time} is too long for the law of the interface: {place} \
-                 is open and pressed at the same time"
+                 {PRESSED_LIPS}"
             )
         };
-        Some(Doubt { words, is_final: false, is_cut })
+        Some(Doubt { words, is_final: false, is_of_lips: !is_missed })
     }
 
-    /// Goes on from a state in spite of a doubt, with a warning, or ends the run.
+    /// Goes on from a state in spite of a doubt, with a warning (one in a run for pressed lips), or
+    /// ends the run.
     pub(super) fn bear(&mut self, doubt: Doubt) -> Result<()> {
         if doubt.is_final {
             return Err(crate::error::Error::Numerics(doubt.words));
+        }
+        if doubt.is_of_lips && self.remarks.iter().any(|told| told.contains(PRESSED_LIPS)) {
+            tracing::debug!("  {}", doubt.words);
+            return Ok(());
         }
         let words = format!("{}; take more instants before this time", doubt.words);
         tracing::warn!("warning: {words}");
@@ -78,7 +86,7 @@ impl Stepper<'_> {
             };
             let jump = to_local(response.jump, all.dim)[0];
             let traction = to_local(response.law_traction, all.dim)[0];
-            jump > PLAIN * scale && traction < -PLAIN * strength
+            jump > OPEN * scale && traction < -PRESSED * strength
         };
         let pressed = (0..state.response.len()).filter(|index| is_pressed(*index));
         pressed.map(|index| all.name_and_interface(index)).min()

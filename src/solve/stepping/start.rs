@@ -59,7 +59,9 @@ impl Stepper<'_> {
             total.count(&report);
             let converged = report.reason.is_converged();
             let mut doubt = if converged { self.doubt(start) } else { None };
-            if converged && !doubt.as_ref().is_some_and(|doubt| doubt.is_worth(step, smallest)) {
+            if converged
+                && !doubt.as_ref().is_some_and(|doubt| doubt.is_worth(step, smallest, false))
+            {
                 if let Some(doubt) = doubt.take() {
                     self.bear(doubt)?;
                 }

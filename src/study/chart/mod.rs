@@ -1,6 +1,7 @@
 //! The charts of a study, from its rows.
 
 mod canvas;
+mod labels;
 mod map;
 mod panel;
 mod scale;

@@ -3,6 +3,7 @@
 use plotters::prelude::{DrawingBackend, RGBColor};
 
 use super::canvas::{Anchor, Canvas, Drawn, Figure, width};
+use super::labels::labels;
 use super::scale::Scale;
 
 /// Colours that the colour-blind tell apart (Okabe and Ito), without the yellow.
@@ -23,7 +24,6 @@ const ZERO: RGBColor = RGBColor(176, 176, 176);
 /// Heights of text.
 pub(crate) const TITLE: f64 = 17.0;
 pub(crate) const TEXT: f64 = 13.0;
-const LABEL: f64 = 12.0;
 
 /// Number of markers.
 const MARKERS: usize = 5;
@@ -88,11 +88,11 @@ pub(crate) struct Panels {
     pub below: bool,
 }
 
-struct Frame {
-    left: f64,
-    top: f64,
-    wide: f64,
-    high: f64,
+pub(super) struct Frame {
+    pub left: f64,
+    pub top: f64,
+    pub wide: f64,
+    pub high: f64,
 }
 
 const PANEL: (f64, f64) = (520.0, 400.0);
@@ -336,30 +336,6 @@ fn from_line(p: (f64, f64), from: (f64, f64), to: (f64, f64)) -> f64 {
     let share = (p.0 - from.0) * along.0 + (p.1 - from.1) * along.1;
     let share = if length > 0.0 { (share / length).clamp(0.0, 1.0) } else { 0.0 };
     (p.0 - from.0 - share * along.0).hypot(p.1 - from.1 - share * along.1)
-}
-
-/// Labels up and right of points; those of one place side by side.
-fn labels<'l, B: DrawingBackend>(
-    canvas: &Canvas<'_, B>,
-    frame: &Frame,
-    labels: impl Iterator<Item = (Option<(f64, f64)>, &'l String)>,
-) -> Drawn {
-    let mut places: Vec<((f64, f64), String)> = Vec::new();
-    for (point, label) in labels.filter_map(|(point, label)| Some((point?, label))) {
-        let same = |p: &(f64, f64)| (p.0 - point.0).hypot(p.1 - point.1) < 8.0;
-        match places.iter_mut().find(|(p, _)| same(p)) {
-            Some((_, text)) => *text = format!("{text}, {label}"),
-            None => places.push((point, label.clone())),
-        }
-    }
-    for ((x, y), text) in places {
-        let fits = x + 7.0 + width(&text, LABEL) < frame.left + frame.wide;
-        let (x, anchor) = if fits { (x + 7.0, Anchor::Left) } else { (x - 7.0, Anchor::Right) };
-        // At the upper edge there is more room below.
-        let y = if y - 16.0 > frame.top { y - 9.0 } else { y + 11.0 };
-        canvas.text(&text, (x, y), LABEL, INK, anchor)?;
-    }
-    Ok(())
 }
 
 fn cross<B: DrawingBackend>(canvas: &Canvas<'_, B>, at: (f64, f64), color: RGBColor) -> Drawn {

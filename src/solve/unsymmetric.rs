@@ -1,0 +1,195 @@
+//! What the symmetric tangent lacks.
+//!
+//! Beside prescribed components the weights w of a node's components differ, and the tangent of its
+//! forces w_c t_c(jump) is not symmetric. The matrix holds sqrt(w_c w_d) in place of w_c. What that
+//! leaves out has a low rank, and is added to each correction: E y = f with E = S + U is solved by
+//! GMRES with S as the preconditioner, from the answer of S. Without it stiff secants, as where a point
+//! has just begun to soften, make Newton's method turn in circles.
+
+use super::condensed;
+use super::interfaces::NodeResponse;
+use super::problem::Problem;
+use crate::comm::Comm;
+use crate::error::{Error, Result};
+use crate::interface::JumpRows;
+use crate::petsc::FurtherSolve;
+
+/// Solves with S at most.
+const MOST: usize = 40;
+/// The part of a correction that may be missing.
+const PART: f64 = 1e-10;
+/// Forces beside the largest one that may be left out, over the tolerance.
+const NEGLIGIBLE: f64 = 1e-2;
+
+/// The derivative of a node's tractions times weights beyond the symmetric one (N/m); none where there
+/// is nothing.
+fn beyond(rows: &JumpRows<u32>, response: &NodeResponse, dim: usize) -> Option<[[f64; 3]; 3]> {
+    let weight = |c: usize| rows.rows[c].as_ref().filter(|_| c < dim).map(|row| row.weight);
+    let mut any = false;
+    let beyond = std::array::from_fn(|c| {
+        std::array::from_fn(|d| {
+            let (Some(own), Some(other)) = (weight(c), weight(d)) else { return 0.0 };
+            let free = !response.state.stuck[c] && !response.state.stuck[d];
+            let tangent = response.state.tangent[c][d];
+            if own == other || !free || tangent == 0.0 {
+                return 0.0;
+            }
+            any = true;
+            (own - (own * other).sqrt()) * tangent
+        })
+    });
+    any.then_some(beyond)
+}
+
+impl Problem<'_> {
+    /// The nodes at which U is, with what it has there. Local.
+    fn unsymmetric_nodes(&self) -> impl Iterator<Item = (usize, [[f64; 3]; 3])> {
+        let pairs = self.all.secondary.iter().zip(&self.interfaces.response).enumerate();
+        pairs.filter_map(|(i, (rows, response))| Some((i, beyond(rows, response, self.all.dim)?)))
+    }
+
+    /// Whether the tangent has more than its symmetric part. Collective.
+    pub(super) fn has_unsymmetric(&self) -> bool {
+        self.comm.any(self.unsymmetric_nodes().next().is_some())
+    }
+
+    /// U y for a correction of the unknowns, with the `nodes` at which U is. Collective.
+    fn times_beyond(&self, nodes: &[(usize, [[f64; 3]; 3])], free: &[bool], y: &[f64]) -> Vec<f64> {
+        let (all, dim) = (&self.all, self.all.dim);
+        let mut local = vec![0.0; all.nodes.len() * dim];
+        let known = local.iter_mut().zip(y).zip(free);
+        known.filter(|(_, free)| **free).for_each(|((local, y), _)| *local = *y);
+        all.nodes.update_ghosts(&mut local, dim);
+        let mut force = vec![0.0; local.len()];
+        for (index, beyond) in nodes {
+            let rows = &all.secondary[*index];
+            // Where the unknown is the jump itself, the primary side takes no part.
+            let is_jump = self.interfaces.response[*index].state.jump;
+            let row = |c: usize| rows.rows[c].as_ref().expect("both components have a multiplier");
+            let at = |node: u32, c: usize| local[node as usize * dim + c];
+            let has = |c: usize| (0..dim).any(|d| beyond[c][d] != 0.0 || beyond[d][c] != 0.0);
+            let mut jump = [0.0; 3];
+            for c in (0..dim).filter(|c| has(*c)) {
+                let others = row(c).others.iter().filter(|_| !is_jump[c]);
+                jump[c] = row(c).own * at(rows.node, c)
+                    + others.map(|(node, a)| a * at(*node, c)).sum::<f64>();
+            }
+            for c in (0..dim).filter(|c| has(*c)) {
+                let traction: f64 = (0..dim).map(|d| beyond[c][d] * jump[d]).sum();
+                force[rows.node as usize * dim + c] += row(c).own * traction;
+                for (node, a) in row(c).others.iter().filter(|_| !is_jump[c]) {
+                    force[*node as usize * dim + c] += a * traction;
+                }
+            }
+        }
+        all.nodes.add_to_owners(&mut force, dim);
+        force.truncate(free.len());
+        force.iter_mut().zip(free).filter(|(_, free)| !**free).for_each(|(f, _)| *f = 0.0);
+        force
+    }
+
+    /// Makes the answer `y` of the symmetric tangent, displacements first, that of the tangent itself.
+    /// Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails. Where a linear solve fails, the answer stays as far as it has come.
+    pub(super) fn add_unsymmetric(
+        &self,
+        y: &mut [f64],
+        solve: &mut FurtherSolve<'_>,
+    ) -> Result<()> {
+        let (comm, all) = (self.comm, &self.all);
+        let nodes: Vec<_> = self.unsymmetric_nodes().collect();
+        if !comm.any(!nodes.is_empty()) {
+            return Ok(());
+        }
+        let free = condensed::free_components(all, &self.interfaces);
+        let missing = |y: &[f64]| self.times_beyond(&nodes, &free, y);
+        let force = missing(y);
+        let mut largest = [force.iter().fold(0.0_f64, |m, f| m.max(f.abs()))];
+        comm.max(&mut largest);
+        if largest[0] <= NEGLIGIBLE * self.convergence.tolerated_force() {
+            return Ok(());
+        }
+        // v + S^-1 U v.
+        let mut apply = |v: &[f64]| -> Result<Vec<f64>> {
+            let (mut rhs, mut image) = (missing(v), vec![0.0; v.len()]);
+            rhs.resize(v.len(), 0.0);
+            solve(&rhs, &mut image)?;
+            image.iter_mut().zip(v).for_each(|(image, v)| *image += v);
+            Ok(image)
+        };
+        match gmres(comm, y, &mut apply) {
+            Err(Error::Numerics(_)) => Ok(()),
+            other => other,
+        }
+    }
+}
+
+fn dot(comm: &Comm, a: &[f64], b: &[f64]) -> f64 {
+    let mut sum = [a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>()];
+    comm.sum(&mut sum);
+    sum[0]
+}
+
+/// Solves A x = b for `x`, which comes in as b and is where it starts: modified Gram and Schmidt,
+/// Givens rotations. Collective.
+fn gmres(
+    comm: &Comm,
+    x: &mut [f64],
+    apply: &mut dyn FnMut(&[f64]) -> Result<Vec<f64>>,
+) -> Result<()> {
+    let size = dot(comm, x, x).sqrt();
+    let image = apply(x)?;
+    let residual: Vec<f64> = x.iter().zip(&image).map(|(b, image)| b - image).collect();
+    let norm = dot(comm, &residual, &residual).sqrt();
+    if !norm.is_finite() || norm <= PART * size {
+        return Ok(());
+    }
+    let scaled = |v: Vec<f64>, by: f64| v.into_iter().map(|v| v / by).collect::<Vec<f64>>();
+    let mut basis = vec![scaled(residual, norm)];
+    let (mut columns, mut rotations) = (Vec::<Vec<f64>>::new(), Vec::<[f64; 2]>::new());
+    let mut left = vec![norm];
+    while columns.len() < MOST && left[columns.len()].abs() > PART * size {
+        let mut next = match apply(&basis[columns.len()]) {
+            Ok(next) => next,
+            Err(Error::Numerics(_)) => break,
+            Err(other) => return Err(other),
+        };
+        let mut column = Vec::new();
+        for v in &basis {
+            let part = dot(comm, v, &next);
+            next.iter_mut().zip(v).for_each(|(next, v)| *next -= part * v);
+            column.push(part);
+        }
+        let rest = dot(comm, &next, &next).sqrt();
+        for (i, [cosine, sine]) in rotations.iter().enumerate() {
+            let (a, b) = (column[i], column[i + 1]);
+            (column[i], column[i + 1]) = (cosine * a + sine * b, cosine * b - sine * a);
+        }
+        let last = columns.len();
+        let length = column[last].hypot(rest);
+        if length == 0.0 || !length.is_finite() {
+            break;
+        }
+        let [cosine, sine] = [column[last] / length, rest / length];
+        column[last] = length;
+        left.push(-sine * left[last]);
+        left[last] *= cosine;
+        rotations.push([cosine, sine]);
+        columns.push(column);
+        if rest <= f64::EPSILON * length {
+            break;
+        }
+        basis.push(scaled(next, rest));
+    }
+    let mut parts = vec![0.0; columns.len()];
+    for i in (0..columns.len()).rev() {
+        let later: f64 = (i + 1..columns.len()).map(|j| columns[j][i] * parts[j]).sum();
+        parts[i] = (left[i] - later) / columns[i][i];
+    }
+    for (part, v) in parts.iter().zip(&basis) {
+        x.iter_mut().zip(v).for_each(|(x, v)| *x += part * v);
+    }
+    Ok(())
+}
