@@ -27,7 +27,7 @@ esac
 if [ "${1:-all}" = all ]; then
     mkdir -p "$logs"
     cargo test --release --lib inf_sup -- --nocapture >"$logs/inf_sup.log"
-    cargo test --release --test acceptance -- --nocapture suite orders::in_2d >"$logs/suite.log"
+    cargo test --release --test acceptance -- --nocapture --include-ignored suite orders::in_2d >"$logs/suite.log"
 fi
 if [ ! -e "$environment/complete" ]; then
     rm -rf "$environment"

@@ -168,13 +168,24 @@ fn an_injection_at_a_constant_rate_balances_on_any_ranks() {
         let [out, stored] = ["mass.out", "mass.stored"].map(|name| one.column(name)[index]);
         assert!((inflow - out - stored).abs() <= 1e-10 * inflow.abs(), "{inflow} {out} {stored}");
     }
-    let others = [(2, "multigrid"), (3, "gamg"), (4, "hypre"), (2, "mumps")];
-    for (index, (ranks, solver)) in others.into_iter().enumerate() {
+    // Most of a run on more ranks than cores is waiting for messages: two instants of it.
+    let short = scene.set("time.instants=[10, 40]");
+    let first = short.on(1);
+    assert!(last(&first, "joint.normal_jump.max") > 1e-5, "it opens in part");
+    for (index, (one, scene, ranks, solver)) in [
+        (&one, &scene, 2, "multigrid"),
+        (&first, &short, 3, "gamg"),
+        (&first, &short, 4, "hypre"),
+        (&one, &scene, 2, "mumps"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
         let scene = scene.set(&format!("solver.linear={solver}"));
         let run = if index == 3 { scene.scattered().on(ranks) } else { scene.on(ranks) };
-        assert_close(&one, &run, 1e-8);
+        assert_close(one, &run, 1e-8);
     }
-    let second = scene.set("mesh.order=2").set("time.instants=[10, 40]");
+    let second = short.set("mesh.order=2");
     assert_close(&second.on(1), &second.scattered().on(3), 1e-8);
 }
 

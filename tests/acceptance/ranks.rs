@@ -63,7 +63,9 @@ fn assert_quadratic(run: &Run) {
     }
 }
 
-fn the_same_everywhere(scene: &Scene) {
+/// Elimination on every number of ranks, the iterative solvers as `chosen` says by their place in
+/// the list and the number of ranks.
+fn the_same(scene: &Scene, chosen: fn(usize) -> bool) {
     let with = |solver: &str, ranks| scene.set(&format!("solver.linear={solver}")).on(ranks);
     let one = with("mumps", 1);
     assert_quadratic(&one);
@@ -72,26 +74,40 @@ fn the_same_everywhere(scene: &Scene) {
         one.assert_same(&run, 1e-8);
         assert_quadratic(&run);
     }
-    for solver in ["gamg", "hypre", "multigrid"] {
-        for ranks in 1..=4 {
+    for (place, solver) in ["gamg", "hypre", "multigrid"].into_iter().enumerate() {
+        for ranks in (1..=4).filter(|ranks| chosen(place + ranks)) {
             one.assert_same(&with(solver, ranks), 1e-8);
         }
     }
 }
 
+fn tilting_of_second_order() -> Scene {
+    tilting().set("mesh.order=2").set("mesh.column.cells=[3, 3, 12]")
+}
+
+// Two columns share out the solvers and the numbers of ranks; of second order each solver has two of them again.
+
 #[test]
 fn column_with_lateral_contraction() {
-    the_same_everywhere(&contracting());
+    the_same(&contracting(), |sum| sum % 2 == 0);
 }
 
 #[test]
 fn column_with_a_tilting_top() {
-    the_same_everywhere(&tilting());
+    the_same(&tilting(), |sum| sum % 2 == 1);
 }
 
 #[test]
 fn columns_of_second_order() {
-    the_same_everywhere(&tilting().set("mesh.order=2").set("mesh.column.cells=[3, 3, 12]"));
+    the_same(&tilting_of_second_order(), |sum| sum % 2 == 0);
+}
+
+#[test]
+#[ignore = "a minute: cargo test --release --test acceptance every_solver -- --ignored"]
+fn columns_with_every_solver_on_1_to_4_ranks() {
+    for scene in [contracting(), tilting(), tilting_of_second_order()] {
+        the_same(&scene, |_| true);
+    }
 }
 
 /// A flat block whose top slides and tilts: a part of the interface opens, a part stays pressed
@@ -118,14 +134,15 @@ probes: [{{name: inside, at: [1.3, 2.9, 0.4]}}]
     Scene::new("block", &yaml)
 }
 
-/// `metis`: the numbers of ranks for which METIS cuts the mesh too.
-fn on_cut_interfaces(bodies: &str, metis: &[usize]) {
+/// On one rank and on `others`, with every cell on a rank of its own choice; `metis`: those of them
+/// for which METIS cuts the mesh too.
+fn on_cut_interfaces(bodies: &str, others: &[usize], metis: &[usize]) {
     let scene = block(bodies);
     let one = scene.on(1);
     let least = one.column("joint.damage.min");
     let most = one.column("joint.damage.max");
     assert!(least[1] < most[1] && most[1] > 0.05 && most[1] < 1.0, "damage {least:?} {most:?}");
-    for ranks in [2, 3, 4, 7] {
+    for &ranks in others {
         let scattered = scene.scattered().on(ranks);
         one.assert_same(&scattered, 1e-8);
         let partition = &scattered.report["partition"];
@@ -142,42 +159,63 @@ fn on_cut_interfaces(bodies: &str, metis: &[usize]) {
     }
 }
 
+const MATCHING: &str = "cells: [16, 16, 4]";
+const COARSE_ON_FINE: &str = "bodies: [{cells: [10, 10, 2]}, {cells: [15, 15, 2]}]";
+const ALMOST_MATCHING: &str = "bodies: [{cells: [11, 11, 2]}, {cells: [12, 12, 2]}]";
+const SECOND_ON_FIRST: &str = "bodies: [{cells: [5, 5, 1], order: 2}, {cells: [9, 9, 2]}]";
+const SECOND: &str = "bodies: [{cells: [5, 5, 1], order: 2}, {cells: [6, 6, 1], order: 2}]";
+
+// Every number of ranks once, and those that do not match on two each: they share what depends on it.
+
 #[test]
 fn matching_block_with_a_scattered_partition() {
-    on_cut_interfaces("cells: [16, 16, 4]", &[2, 3, 4, 7]);
+    on_cut_interfaces(MATCHING, &[2, 3, 4, 7], &[2, 7]);
 }
 
 #[test]
 fn block_2_against_3_with_a_scattered_partition() {
-    on_cut_interfaces("bodies: [{cells: [10, 10, 2]}, {cells: [15, 15, 2]}]", &[4]);
+    on_cut_interfaces(COARSE_ON_FINE, &[2, 4], &[4]);
 }
 
 #[test]
 fn block_11_against_12_with_a_scattered_partition() {
-    on_cut_interfaces("bodies: [{cells: [11, 11, 2]}, {cells: [12, 12, 2]}]", &[3]);
+    on_cut_interfaces(ALMOST_MATCHING, &[3, 7], &[3]);
 }
 
 #[test]
 fn block_of_second_order_on_first_with_a_scattered_partition() {
-    on_cut_interfaces("bodies: [{cells: [5, 5, 1], order: 2}, {cells: [9, 9, 2]}]", &[3]);
+    on_cut_interfaces(SECOND_ON_FIRST, &[2, 3], &[3]);
 }
 
 #[test]
 fn block_of_second_order_with_a_scattered_partition() {
-    on_cut_interfaces("bodies: [{cells: [5, 5, 1], order: 2}, {cells: [6, 6, 1], order: 2}]", &[3]);
+    on_cut_interfaces(SECOND, &[3, 4], &[3]);
+}
+
+#[test]
+#[ignore = "two minutes: cargo test --release --test acceptance scattered -- --ignored"]
+fn blocks_with_a_scattered_partition_on_2_3_4_7_ranks() {
+    let all = [2, 3, 4, 7];
+    on_cut_interfaces(MATCHING, &all, &all);
+    for (bodies, metis) in
+        [(COARSE_ON_FINE, 4), (ALMOST_MATCHING, 3), (SECOND_ON_FIRST, 3), (SECOND, 3)]
+    {
+        on_cut_interfaces(bodies, &all, &[metis]);
+    }
 }
 
 #[test]
 fn multigrid_on_a_scattered_partition() {
-    for bodies in [
-        "bodies: [{cells: [8, 8, 2]}, {cells: [12, 12, 2]}]",
-        "bodies: [{cells: [4, 4, 1], order: 2}, {cells: [6, 6, 1], order: 2}]",
-        "bodies: [{cells: [4, 4, 1], order: 2}, {cells: [6, 6, 2]}]",
+    // On 3 ranks that which is the smallest: two cores are busy with messages on the others.
+    for (bodies, ranks) in [
+        ("bodies: [{cells: [8, 8, 2]}, {cells: [12, 12, 2]}]", 2),
+        ("bodies: [{cells: [4, 4, 1], order: 2}, {cells: [6, 6, 1], order: 2}]", 2),
+        ("bodies: [{cells: [4, 4, 1], order: 2}, {cells: [6, 6, 2]}]", 3),
     ] {
         let scene = block(bodies).scattered();
-        let direct = scene.set("solver.linear=mumps").on(3);
+        let direct = scene.set("solver.linear=mumps").on(ranks);
         for solver in ["gamg", "hypre", "multigrid"] {
-            direct.assert_same(&scene.set(&format!("solver.linear={solver}")).on(3), 1e-8);
+            direct.assert_same(&scene.set(&format!("solver.linear={solver}")).on(ranks), 1e-8);
         }
     }
 }
