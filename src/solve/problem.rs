@@ -91,6 +91,8 @@ pub struct Problem<'a> {
     waits: bool,
     /// 2-norm of the residual that was judged last.
     judged_norm: f64,
+    /// The smallest residual of the running solve, and how many corrections ago it was halved.
+    stall: (f64, usize),
     /// What gives way first in the running step.
     pub(super) onset: Onset,
     /// 2-norm of the out-of-balance forces at the state that was judged last (N).
@@ -146,6 +148,7 @@ impl<'a> Problem<'a> {
             turns: 0,
             waits: false,
             judged_norm: 0.0,
+            stall: (0.0, 0),
             onset: Onset::default(),
             residual_norm: 0.0,
             pulse: Pulse::default(),
@@ -262,6 +265,12 @@ impl<'a> Problem<'a> {
         let verdict =
             self.convergence.judge(comm, all, &self.interfaces, iteration, norm, worst, other)?;
         self.judged_norm = norm;
+        let (smallest, since) = self.stall;
+        self.stall = match iteration {
+            0 => (norm, 0),
+            _ if norm < 0.5 * smallest => (norm, 0),
+            _ => (smallest, since + 1),
+        };
         Ok(self.unless_waiting(verdict))
     }
 

@@ -97,3 +97,28 @@ time: {{instants: [1]}}
     let dissipated = run.column("energy.dissipated");
     assert!((dissipated[dissipated.len() - 1] - 900.0).abs() <= 1e-8 * 900.0);
 }
+
+/// Along the opening of a joint, past its peak in one step, a stronger joint in series stays whole.
+#[test]
+fn a_stronger_joint_in_series_stays_whole() {
+    let yaml = "
+mesh: {column: {size: [0.5, 3], cells: [1, 3]}}
+materials: {rock: {elastic: {young_modulus: 1.0e9, poisson_ratio: 0}}}
+interfaces:
+  - {name: weak, z: 1, law: {bilinear: {strength: 1.0e5, fracture_energy: 90, stiffness: 1.0e9}}}
+  - {name: strong, z: 2, law: {linear_softening: {strength: 1.1e5, fracture_energy: 108.9}}}
+boundary:
+  - {on: bottom, displacement: {x: 0, z: 0}}
+  - {on: top, displacement: {x: 0, z: 4.5e-4}}
+control: {opening: {of: weak, equals: {table: [[0, 0], [1, 1.5e-5], [2, 1.6e-4]]}}}
+time: {instants: [1, 2]}
+";
+    // From the peak at 1e-4 m on a line to 1.8e-3 m.
+    let traction = 1.0e5 * (1.8e-3 - 1.6e-4) / 1.7e-3;
+    for (ranks, solver) in [(1, "mumps"), (2, "gamg")] {
+        let run = Scene::new("in_series", yaml).set(&format!("solver.linear={solver}")).on(ranks);
+        let found = run.column("weak.normal_traction.mean")[1];
+        assert!((found - traction).abs() < 1e-8 * traction, "{}: {found}", run.label);
+        assert_eq!(run.column("strong.damage.max"), [0.0, 0.0], "{}", run.label);
+    }
+}

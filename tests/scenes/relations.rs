@@ -320,9 +320,13 @@ pub fn pair(relation: Relation, scene: &Scene, built: &Built) -> Option<Pair> {
     }
 }
 
-/// The states of an even column depend on the turns of its loads alone.
+/// The states of an even column depend on the turns of its loads alone; where some act from the start,
+/// and what grows relieves them, on the first step too.
 fn halves(built: &Built) -> Option<Pair> {
-    built.bars.as_ref()?;
+    let bars = built.bars.as_ref()?;
+    if bars.pressures.iter().any(|p| *p != 0.0) || bars.force != 0.0 {
+        return None;
+    }
     let mut finer = built.case.clone();
     let starts = std::iter::once(0.0).chain(built.case.instants.iter().copied());
     let pairs = starts.zip(&built.case.instants);

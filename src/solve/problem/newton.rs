@@ -10,6 +10,9 @@ use crate::solve::condensed;
 use crate::solve::path::PathControl;
 use crate::timers::Phase;
 
+/// Corrections that do not halve the residual, after which linear solves go on to their end.
+const MOST_STALLED: usize = 3;
+
 /// How far the residual of a linear solve has to fall where its solution decides which interface gives
 /// way first.
 const DIGITS_OF_ORDER: f64 = 1e-4;
@@ -106,8 +109,9 @@ impl NonlinearSystem for Problem<'_> {
             // The correction is not yet the whole one.
             return Ok(Trial::GoOn(None));
         }
-        // The symmetric part alone leads elsewhere.
-        if self.has_unsymmetric() {
+        // The symmetric part alone leads elsewhere; and corrections that are broken off early can lead
+        // round in circles.
+        if self.stall.1 >= MOST_STALLED || self.has_unsymmetric() {
             return Ok(Trial::GoOn(None));
         }
         if self.decides_order() && norm > DIGITS_OF_ORDER * self.judged_norm {

@@ -25,6 +25,8 @@ pub(in crate::solve) enum Prediction {
     Past,
     /// The next correction is the linear answer of the accepted state.
     Due,
+    /// The next correction follows from the laws as they answer, and is a first one all the same.
+    Free,
     /// This correction has been made, and its state not been evaluated.
     Made,
 }
@@ -133,7 +135,7 @@ impl Problem<'_> {
     pub(in crate::solve) fn answer_in_turn(&mut self, worst: Worst) -> bool {
         self.waits = false;
         let waiting = match self.prediction {
-            Prediction::Past => return false,
+            Prediction::Past | Prediction::Free => return false,
             Prediction::Due => {
                 let (all, state) = (&self.all, &self.interfaces);
                 if self.convergence.excess(self.comm, all, state, worst) <= 1.0 {
@@ -163,7 +165,7 @@ impl Problem<'_> {
 
     /// Takes note that the state is about to change by a correction. Local.
     pub(in crate::solve) fn correct(&mut self) {
-        if self.prediction == Prediction::Due {
+        if matches!(self.prediction, Prediction::Due | Prediction::Free) {
             self.prediction = Prediction::Made;
         }
     }
@@ -199,9 +201,11 @@ impl Problem<'_> {
         }
     }
 
-    /// Lets Newton's method go on from the state as it is. Local.
-    pub(in crate::solve) fn predict_nothing(&mut self) {
-        self.prediction = Prediction::Past;
+    /// Lets the next correction follow from the laws as they answer, as on a path, where the answer of
+    /// the accepted state may not open what is to be opened. Local.
+    pub(in crate::solve) fn predict_freely(&mut self) {
+        self.predict();
+        self.prediction = Prediction::Free;
     }
 
     /// Lets the next correction be the linear answer of the accepted state. Local.

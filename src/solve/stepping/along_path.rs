@@ -56,7 +56,7 @@ impl Stepper<'_> {
             }
         }
         self.hold_factor(None)?;
-        self.problem.predict_nothing();
+        self.problem.predict_freely();
         self.problem.interfaces.lean = self.problem.path.as_ref().map_or(1.0, PathControl::lean);
         let mut report = self.solve()?;
         report.iterations += corrections[0];

@@ -94,7 +94,9 @@ fn e12_steps() {
         rows.push(json!([steps, dissipated, external, corrections, cuts, turned]));
     }
     let of = |row: &serde_json::Value| row[5][1].as_f64().expect("a number");
-    assert!(of(&rows[3]) > 1.05 * of(&rows[2]) && of(&rows[2]) > 1.05 * of(&rows[1]), "{rows:?}");
+    // Steps that press open lips are cut: without that a single step dissipates less than half.
+    let finest = of(&rows[3]);
+    assert!(rows[..3].iter().all(|row| of(row) < finest && of(row) > 0.93 * finest), "{rows:?}");
     measured("12.steps", rows);
 }
 
