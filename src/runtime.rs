@@ -8,7 +8,7 @@ use crate::petsc::Petsc;
 use crate::signals;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::Communicator;
-use std::ffi::{c_char, c_int, c_void};
+use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::{env, panic, process, ptr};
 
@@ -64,6 +64,7 @@ impl Runtime {
             self.comm.barrier();
             SimpleCommunicator::world().abort(status.into());
         }
+        keep_libraries();
         drop(self);
         process::exit(status.into())
     }
@@ -108,6 +109,46 @@ fn choose_file_writer() {
 
 unsafe extern "C" {
     fn dlsym(handle: *mut c_void, symbol: *const c_char) -> *mut c_void;
+    fn dlopen(name: *const c_char, flags: c_int) -> *mut c_void;
+    fn dl_iterate_phdr(
+        callback: unsafe extern "C" fn(*const Loaded, usize, *mut c_void) -> c_int,
+        data: *mut c_void,
+    ) -> c_int;
+}
+
+/// What the dynamic linker tells of a library, as far as it is read here.
+#[repr(C)]
+struct Loaded {
+    address: usize,
+    /// A string of C.
+    name: *const c_char,
+}
+
+/// Notes the name of a library.
+///
+/// # Safety
+/// As `dl_iterate_phdr` calls it, with a vector of names as its data.
+unsafe extern "C" fn note_library(loaded: *const Loaded, _: usize, data: *mut c_void) -> c_int {
+    // SAFETY: valid for the length of the call by the contract.
+    let (name, names) = unsafe { ((*loaded).name, &mut *data.cast::<Vec<CString>>()) };
+    if !name.is_null() {
+        // SAFETY: a string of C by the contract of the linker.
+        names.push(unsafe { CStr::from_ptr(name) }.to_owned());
+    }
+    0
+}
+
+/// Keeps every library mapped until the process ends. Open MPI unloads its components while a thread of
+/// one of them may still run: a run in some ten thousands crashed there after all its work was done.
+fn keep_libraries() {
+    const LAZY_NOT_LOADED_NO_DELETE: c_int = 0x1 | 0x4 | 0x1000;
+    let mut names: Vec<CString> = Vec::new();
+    // SAFETY: the callback fits, and the vector outlives the call.
+    unsafe { dl_iterate_phdr(note_library, (&raw mut names).cast()) };
+    for name in names.iter().filter(|name| !name.is_empty()) {
+        // SAFETY: a string of C; nothing is loaded that is not there.
+        unsafe { dlopen(name.as_ptr(), LAZY_NOT_LOADED_NO_DELETE) };
+    }
 }
 
 /// Several ranks with a thread per core each would fight for the cores: OpenBLAS, if that is the
