@@ -136,12 +136,7 @@ impl NonlinearSystem for SaddleSystem<'_, '_> {
     ) -> Result<()> {
         self.problem.correct();
         self.problem.interfaces.lean = 1.0;
-        let (all, dim) = (&self.problem.all, self.problem.all.dim);
-        for (node, prescribed) in all.prescribed[..all.nodes.owned].iter().enumerate() {
-            for c in (0..dim).filter(|c| prescribed[*c]) {
-                correction[node * dim + c] = 0.0;
-            }
-        }
+        self.problem.hold_prescribed(correction);
         let part = self.problem.convergence.part_of_step;
         correction.iter_mut().for_each(|c| *c *= part);
         Ok(())

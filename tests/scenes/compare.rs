@@ -5,6 +5,7 @@ use crate::change::{Change, Kind};
 use crate::closed::State;
 use crate::launch::{Place, Run};
 use std::fs;
+use std::path::Path;
 
 /// How much larger errors of displacements and tractions may be than the forces out of balance: some
 /// ten cells in a row, moduli that differ by up to 50, softening that leaves a half of the stiffness.
@@ -137,6 +138,16 @@ impl<'a> Measure<'a> {
         told(found)
     }
 
+    /// The nodes of an interface's file whose traction is no more than rounding.
+    fn unloaded(&self, path: &Path, nodes: usize) -> Vec<bool> {
+        let file = hdf5::File::open(path).expect("it was read before");
+        let traction = file.dataset("VTKHDF/PointData/traction").and_then(|d| d.read_raw::<f64>());
+        let traction = traction.expect("tractions beside states");
+        let rounding = self.part * 0.1 * self.built.stress;
+        let of_node = traction.chunks_exact(traction.len() / nodes.max(1));
+        of_node.map(|t| t.iter().all(|t| t.abs() <= rounding)).collect()
+    }
+
     /// Every array of every field file.
     pub fn fields(&self, one: &Place, other: &Place) -> Option<String> {
         let mut found = Vec::new();
@@ -162,6 +173,8 @@ impl<'a> Measure<'a> {
                     continue;
                 };
                 let Built { stress, length, case, .. } = self.built;
+                // Without a traction the sign of what rounding left says whether lips are pressed.
+                let unloaded = array.ends_with("/state").then(|| self.unloaded(&path, a.len()));
                 let least = match array.rsplit('/').next().unwrap_or_default() {
                     "displacement" | "jump" => 0.1 * length,
                     "Points" => case.size[2],
@@ -170,7 +183,9 @@ impl<'a> Measure<'a> {
                     _ => f64::MIN_POSITIVE,
                 };
                 let scale = a.iter().chain(&b).fold(least, |m, v| m.max(v.abs()));
-                let off = a.iter().zip(&b).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+                let counts = |i: usize| unloaded.as_ref().is_none_or(|unloaded| !unloaded[i]);
+                let pairs = a.iter().zip(&b).enumerate().filter(|(i, _)| counts(*i));
+                let off = pairs.fold(0.0_f64, |m, (_, (a, b))| m.max((a - b).abs()));
                 if a.len() != b.len() || off / scale > self.part {
                     let (a, b) = (a.len(), b.len());
                     let off = off / scale;

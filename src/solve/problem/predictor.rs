@@ -184,15 +184,21 @@ impl Problem<'_> {
             && self.interfaces.laws.iter().filter(may_break).count() > 1
     }
 
-    /// Makes the components of a correction that need no solve exact, whatever the linear solver left
-    /// there: nothing where displacements are prescribed, the known jump where one is stuck. Local.
-    pub(in crate::solve) fn set_known(&self, correction: &mut [f64]) {
+    /// Makes the prescribed components of a correction exact. Local.
+    pub(in crate::solve) fn hold_prescribed(&self, correction: &mut [f64]) {
         let (all, dim) = (&self.all, self.all.dim);
         for (node, prescribed) in all.prescribed[..all.nodes.owned].iter().enumerate() {
             for c in (0..dim).filter(|c| prescribed[*c]) {
                 correction[node * dim + c] = 0.0;
             }
         }
+    }
+
+    /// Makes the components of a correction that need no solve exact, whatever the linear solver left
+    /// there: nothing where displacements are prescribed, the known jump where one is stuck. Local.
+    pub(in crate::solve) fn set_known(&self, correction: &mut [f64]) {
+        let (all, dim) = (&self.all, self.all.dim);
+        self.hold_prescribed(correction);
         for (rows, response) in all.secondary.iter().zip(&self.interfaces.response) {
             for c in (0..dim).filter(|c| rows.rows[*c].is_some() && response.state.stuck[*c]) {
                 let own = rows.node as usize * dim + c;

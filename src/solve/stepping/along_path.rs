@@ -9,6 +9,10 @@ use crate::solve::path::PathControl;
 const SMALL_FACTOR: f64 = 1e-6;
 /// So far below the onset a path starts.
 const BELOW: f64 = 1.0 - 1e-11;
+/// As close to it as that.
+const CLOSE: f64 = 1e-12;
+/// Loads are scaled at most so often.
+const MOST_SCALINGS: usize = 3;
 
 impl Stepper<'_> {
     /// A step of path following. From rest it starts where the first point is about to give way, to
@@ -42,11 +46,21 @@ impl Stepper<'_> {
                 self.problem.convergence.failure.get_or_insert_with(|| words.into());
                 return Ok(SolveReport { reason: SnesReason::Stopped, ..report });
             }
-            let scale = BELOW / share;
-            self.x.write()?.iter_mut().for_each(|x| *x *= scale);
-            let onset = self.load_to(SMALL_FACTOR * scale)?;
-            corrections[0] += onset.iterations;
-            corrections[1] += onset.linear_iterations;
+            let (mut factor, mut scale) = (SMALL_FACTOR, BELOW / share);
+            let mut onset = report;
+            // Beside the forces of accepted states those of the small load are known to few digits.
+            for _ in 0..MOST_SCALINGS {
+                self.x.write()?.iter_mut().for_each(|x| *x *= scale);
+                factor *= scale;
+                onset = self.load_to(factor)?;
+                corrections[0] += onset.iterations;
+                corrections[1] += onset.linear_iterations;
+                let problem = &self.problem;
+                scale = BELOW / problem.interfaces.share_of_strength(problem.comm, &problem.all);
+                if (scale - 1.0).abs() <= CLOSE || !onset.reason.is_converged() {
+                    break;
+                }
+            }
             if self.problem.path.as_ref().is_some_and(PathControl::asks_for_onset) {
                 return Ok(SolveReport {
                     iterations: corrections[0],
