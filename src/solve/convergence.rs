@@ -190,11 +190,6 @@ impl Convergence {
         self.accepted
     }
 
-    /// The largest force that may be out of balance (N).
-    pub fn tolerated_force(&self) -> f64 {
-        self.tolerance * self.current.force.max(self.accepted[0])
-    }
-
     /// Takes the scales of the states that an earlier run accepted.
     pub fn resume(&mut self, accepted: [f64; 2]) {
         self.accepted = accepted;

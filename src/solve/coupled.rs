@@ -142,7 +142,7 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         let (u, p) = correction.split_at_mut(blocks.split);
         problem.set_known(u);
         blocks.for_identity_rows(|node| p[node] = 0.0);
-        problem.add_unsymmetric(correction, solve)?;
+        problem.is_skew = problem.add_unsymmetric(correction, problem.judged_norm, solve)?;
         let u = &mut correction[..blocks.split];
         condensed::follow(&problem.all, &problem.interfaces, u);
         if !blocks.has_pressures {

@@ -14,8 +14,9 @@ const FREE: f64 = 1e-12;
 /// free by itself.
 const NAMED: [f64; 2] = [1e-6, 1.0 - 1e-6];
 
-/// Cohesion is gone where the damage differs from 1 by less: what is left of it is rounding.
-const LEFT: f64 = 1e-12;
+/// Cohesion is gone where the damage differs from 1 by less: what is left of it is below the usual tolerance
+/// of forces.
+const LEFT: f64 = 1e-9;
 
 /// Whether nothing but contact is left at a secondary node. Local.
 pub fn is_separated(

@@ -90,7 +90,9 @@ pub struct Problem<'a> {
     /// Whether some laws answered from the last accepted state in the last evaluation.
     waits: bool,
     /// 2-norm of the residual that was judged last.
-    judged_norm: f64,
+    pub(super) judged_norm: f64,
+    /// Whether the last correction needed what is not symmetric in the tangent.
+    pub(super) is_skew: bool,
     /// The smallest residual of the running solve, and how many corrections ago it was halved.
     stall: (f64, usize),
     /// What gives way first in the running step.
@@ -148,6 +150,7 @@ impl<'a> Problem<'a> {
             turns: 0,
             waits: false,
             judged_norm: 0.0,
+            is_skew: false,
             stall: (0.0, 0),
             onset: Onset::default(),
             residual_norm: 0.0,
@@ -265,6 +268,7 @@ impl<'a> Problem<'a> {
         let verdict =
             self.convergence.judge(comm, all, &self.interfaces, iteration, norm, worst, other)?;
         self.judged_norm = norm;
+        self.is_skew &= iteration > 0;
         let (smallest, since) = self.stall;
         self.stall = match iteration {
             0 => (norm, 0),

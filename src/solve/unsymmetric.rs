@@ -16,10 +16,12 @@ use crate::petsc::FurtherSolve;
 
 /// Solves with S at most.
 const MOST: usize = 40;
-/// The part of a correction that may be missing.
+/// The part of a correction that may be missing, and the part of what the answer of S lacks.
 const PART: f64 = 1e-10;
-/// Forces beside the largest one that may be left out, over the tolerance.
-const NEGLIGIBLE: f64 = 1e-2;
+const REDUCTION: f64 = 1e-4;
+/// What is left out of a linear solve may be this part of its right-hand side: each correction still
+/// takes away the rest.
+const WEAK: f64 = 0.05;
 
 /// The derivative of a node's tractions times weights beyond the symmetric one (N/m); none where there
 /// is nothing.
@@ -46,11 +48,6 @@ impl Problem<'_> {
     fn unsymmetric_nodes(&self) -> impl Iterator<Item = (usize, [[f64; 3]; 3])> {
         let pairs = self.all.secondary.iter().zip(&self.interfaces.response).enumerate();
         pairs.filter_map(|(i, (rows, response))| Some((i, beyond(rows, response, self.all.dim)?)))
-    }
-
-    /// Whether the tangent has more than its symmetric part. Collective.
-    pub(super) fn has_unsymmetric(&self) -> bool {
-        self.comm.any(self.unsymmetric_nodes().next().is_some())
     }
 
     /// U y for a correction of the unknowns, with the `nodes` at which U is. Collective.
@@ -88,28 +85,28 @@ impl Problem<'_> {
         force
     }
 
-    /// Makes the answer `y` of the symmetric tangent, displacements first, that of the tangent itself.
-    /// Collective.
+    /// Makes the answer `y` of the symmetric tangent to a right-hand side of 2-norm `size`, displacements
+    /// first, that of the tangent itself. Whether that made a difference. Collective.
     ///
     /// # Errors
     /// `System` when PETSc fails. Where a linear solve fails, the answer stays as far as it has come.
     pub(super) fn add_unsymmetric(
         &self,
         y: &mut [f64],
+        size: f64,
         solve: &mut FurtherSolve<'_>,
-    ) -> Result<()> {
+    ) -> Result<bool> {
         let (comm, all) = (self.comm, &self.all);
         let nodes: Vec<_> = self.unsymmetric_nodes().collect();
         if !comm.any(!nodes.is_empty()) {
-            return Ok(());
+            return Ok(false);
         }
         let free = condensed::free_components(all, &self.interfaces);
         let missing = |y: &[f64]| self.times_beyond(&nodes, &free, y);
-        let force = missing(y);
-        let mut largest = [force.iter().fold(0.0_f64, |m, f| m.max(f.abs()))];
-        comm.max(&mut largest);
-        if largest[0] <= NEGLIGIBLE * self.convergence.tolerated_force() {
-            return Ok(());
+        let left_out = norm(comm, &missing(y));
+        tracing::debug!(target: "newton", "  unsymmetric part  {:9.3e}", left_out / size);
+        if left_out <= WEAK * size {
+            return Ok(false);
         }
         // v + S^-1 U v.
         let mut apply = |v: &[f64]| -> Result<Vec<f64>> {
@@ -120,10 +117,19 @@ impl Problem<'_> {
             Ok(image)
         };
         match gmres(comm, y, &mut apply) {
-            Err(Error::Numerics(_)) => Ok(()),
-            other => other,
+            Ok(solves) => {
+                tracing::debug!(target: "newton", "  unsymmetric part in {solves} solves")
+            }
+            Err(Error::Numerics(_)) => {}
+            Err(other) => return Err(other),
         }
+        Ok(true)
     }
+}
+
+/// The 2-norm over all ranks. Collective.
+pub(super) fn norm(comm: &Comm, v: &[f64]) -> f64 {
+    dot(comm, v, v).sqrt()
 }
 
 fn dot(comm: &Comm, a: &[f64], b: &[f64]) -> f64 {
@@ -133,24 +139,25 @@ fn dot(comm: &Comm, a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Solves A x = b for `x`, which comes in as b and is where it starts: modified Gram and Schmidt,
-/// Givens rotations. Collective.
+/// Givens rotations. How often A was applied. Collective.
 fn gmres(
     comm: &Comm,
     x: &mut [f64],
     apply: &mut dyn FnMut(&[f64]) -> Result<Vec<f64>>,
-) -> Result<()> {
-    let size = dot(comm, x, x).sqrt();
+) -> Result<usize> {
+    let size = norm(comm, x);
     let image = apply(x)?;
     let residual: Vec<f64> = x.iter().zip(&image).map(|(b, image)| b - image).collect();
-    let norm = dot(comm, &residual, &residual).sqrt();
-    if !norm.is_finite() || norm <= PART * size {
-        return Ok(());
+    let start = norm(comm, &residual);
+    let enough = (PART * size).max(REDUCTION * start);
+    if !start.is_finite() || start <= PART * size {
+        return Ok(1);
     }
     let scaled = |v: Vec<f64>, by: f64| v.into_iter().map(|v| v / by).collect::<Vec<f64>>();
-    let mut basis = vec![scaled(residual, norm)];
+    let mut basis = vec![scaled(residual, start)];
     let (mut columns, mut rotations) = (Vec::<Vec<f64>>::new(), Vec::<[f64; 2]>::new());
-    let mut left = vec![norm];
-    while columns.len() < MOST && left[columns.len()].abs() > PART * size {
+    let mut left = vec![start];
+    while columns.len() < MOST && left[columns.len()].abs() > enough {
         let mut next = match apply(&basis[columns.len()]) {
             Ok(next) => next,
             Err(Error::Numerics(_)) => break,
@@ -162,7 +169,7 @@ fn gmres(
             next.iter_mut().zip(v).for_each(|(next, v)| *next -= part * v);
             column.push(part);
         }
-        let rest = dot(comm, &next, &next).sqrt();
+        let rest = norm(comm, &next);
         for (i, [cosine, sine]) in rotations.iter().enumerate() {
             let (a, b) = (column[i], column[i + 1]);
             (column[i], column[i + 1]) = (cosine * a + sine * b, cosine * b - sine * a);
@@ -191,5 +198,5 @@ fn gmres(
     for (part, v) in parts.iter().zip(&basis) {
         x.iter_mut().zip(v).for_each(|(x, v)| *x += part * v);
     }
-    Ok(())
+    Ok(1 + columns.len())
 }

@@ -8,6 +8,7 @@ use crate::petsc::{
 };
 use crate::solve::condensed;
 use crate::solve::path::PathControl;
+use crate::solve::unsymmetric::norm;
 use crate::timers::Phase;
 
 /// Corrections that do not halve the residual, after which linear solves go on to their end.
@@ -71,7 +72,7 @@ impl NonlinearSystem for Problem<'_> {
         self.interfaces.lean = 1.0;
         self.correct();
         self.set_known(correction);
-        self.add_unsymmetric(correction, solve)?;
+        self.is_skew = self.add_unsymmetric(correction, self.judged_norm, solve)?;
         let part = self.convergence.part_of_step;
         let Some(path) = self.path.as_ref().filter(|path| path.follows()) else {
             condensed::follow(&self.all, &self.interfaces, correction);
@@ -83,11 +84,12 @@ impl NonlinearSystem for Problem<'_> {
         let rhs = path.load_residual(self.comm, &self.all, &self.interfaces);
         let mut along = vec![0.0; rhs.len()];
         let solved = solve(&rhs, &mut along);
-        let solved = solved.and_then(|()| self.add_unsymmetric(&mut along, solve));
+        let size = norm(self.comm, &rhs);
+        let solved = solved.and_then(|()| self.add_unsymmetric(&mut along, size, solve));
         let (comm, all, state) = (self.comm, &self.all, &self.interfaces);
         let path = self.path.as_mut().expect("looked at above");
         match solved {
-            Ok(()) => {
+            Ok(_) => {
                 along
                     .iter_mut()
                     .zip(condensed::free_components(all, state))
@@ -111,7 +113,7 @@ impl NonlinearSystem for Problem<'_> {
         }
         // The symmetric part alone leads elsewhere; and corrections that are broken off early can lead
         // round in circles.
-        if self.stall.1 >= MOST_STALLED || self.has_unsymmetric() {
+        if self.stall.1 >= MOST_STALLED || self.is_skew {
             return Ok(Trial::GoOn(None));
         }
         if self.decides_order() && norm > DIGITS_OF_ORDER * self.judged_norm {
