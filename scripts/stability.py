@@ -212,7 +212,7 @@ period until `max_newton`. Points that soften without a change of branch can alt
         """
 ## 12. Length of the steps
 
-`step_size.yaml`. Where all modes have one energy the dissipation does not know the steps. The external work is a trapezoidal sum and converges. Where the modes differ, a path that turns between them (sheared, then opened too) does depend on the steps. Those that press open lips are cut (before, one step gave 1064 J, two 1477 J, ten 1971 J).
+`step_size.yaml`. Where all modes have one energy the dissipation does not know the steps. The external work is a trapezoidal sum and converges. Where the modes differ, a path that turns between them (sheared, then opened too) does depend on the steps. Those that press open lips are cut.
 """,
         table(("steps", "dissipated", "external work", "corrections", "turning, one energy", "turning, two energies"),
               [(r[0], f"{r[1]:.6f} J", f"{r[2]:.3f} J", count(r[3]), *((f"{v:.3f} J" for v in r[5]) if r[5] else ("", ""))) for r in f["12.steps"]]),

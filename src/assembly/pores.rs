@@ -143,8 +143,8 @@ impl PoreSpace {
         }
     }
 
-    /// The largest sum of the magnitudes of what displacements of 1 m add to the balance at a node (m3/m).
-    /// Local: the same on all ranks that have the same prototypes.
+    /// The largest sum of the magnitudes of what displacements of 1 m add to the balance at a node of this
+    /// rank's cells (m3/m). Local.
     pub fn largest_coupling(&self) -> f64 {
         let corners = self.corners();
         let at = |cell: &PorousCell, corner: usize| {

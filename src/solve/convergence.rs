@@ -100,6 +100,8 @@ pub struct Convergence {
     max_newton: usize,
     column: Column,
     interface_names: Vec<String>,
+    /// What has to hold beside forces and jumps, in words.
+    pub other: &'static str,
     /// Largest nodal force scale (N) and displacement (m) of the accepted states.
     accepted: [f64; 2],
     /// Those of the last evaluated state.
@@ -132,6 +134,7 @@ impl Convergence {
             max_newton,
             column: column.clone(),
             interface_names,
+            other: "",
             accepted: [0.0; 2],
             current: Scales::default(),
             signatures: Vec::new(),
@@ -335,10 +338,14 @@ impl Convergence {
             return Ok(Verdict::Diverged);
         }
         if iteration >= self.max_newton {
-            let (place, what) = self.worst_place(worst, &defect, out_of_balance);
+            let what = if control > out_of_balance.max(largest) {
+                format!("{} is off by {control:.1e}", self.other)
+            } else {
+                let (place, what) = self.worst_place(worst, &defect, out_of_balance);
+                format!("{what} {place}")
+            };
             self.failure = Some(format!(
-                "no convergence in {iteration} corrections (solver.max_newton): {what} {place}; \
-                 tolerance {:.1e}",
+                "no convergence in {iteration} corrections (solver.max_newton): {what}; tolerance {:.1e}",
                 self.tolerance
             ));
             return Ok(Verdict::Diverged);

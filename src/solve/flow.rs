@@ -62,6 +62,8 @@ pub struct Flow {
     left: Vec<f64>,
     /// Largest nodal magnitude of the balance of the accepted states and of the last one (m3).
     scales: [f64; 2],
+    /// The largest volume at a node for displacements of 1 m in this rank's cells (m3/m).
+    coupling: f64,
     /// Fluid stored at the start (m3).
     initial: f64,
     /// The lengths of the steps, where they follow from their error.
@@ -106,6 +108,7 @@ impl Flow {
             in_films: Contents::default(),
             left: none(),
             pressure: initial,
+            coupling: space.largest_coupling(),
             space,
             prescribed,
             inflow,
@@ -225,7 +228,9 @@ impl Flow {
         let owned = f.len();
         let mut free = sizes;
         self.space.for_identity_rows(|node| free[node] = 0.0);
-        let mut worst = [largest(&rows[..owned]), largest(&free[..owned]), largest(u)];
+        // Bodies that move as wholes make no volume but for rounding.
+        let cancelling = largest(u) * self.coupling;
+        let mut worst = [largest(&rows[..owned]), largest(&free[..owned]), cancelling];
         comm.max(&mut worst);
         self.scales[1] = worst[1];
         let scale = worst[1].max(self.scales[0]);
@@ -235,13 +240,8 @@ impl Flow {
         for ((f, row), followed) in f.iter_mut().zip(&rows).zip(&followed) {
             *f = self.scale * (followed - row);
         }
-        // Bodies that move as wholes make no volume but for rounding.
-        let cancelling = worst[2] * self.space.largest_coupling();
-        if worst[0] == 0.0 || is_rounding(worst[0], scale, cancelling) {
-            0.0
-        } else {
-            worst[0] / scale
-        }
+        let is_nothing = worst[0] == 0.0 || is_rounding(worst[0], scale, worst[2]);
+        if is_nothing { 0.0 } else { worst[0] / scale }
     }
 
     /// The largest magnitude of the balance in the unit of a force (N). Local: the same on all ranks.

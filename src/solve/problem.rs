@@ -91,6 +91,8 @@ pub struct Problem<'a> {
     waits: bool,
     /// 2-norm of the residual that was judged last.
     pub(super) judged_norm: f64,
+    /// Corrections of the running solve up to the state that was judged last.
+    pub(super) corrections: usize,
     /// Whether the last correction needed what is not symmetric in the tangent.
     pub(super) is_skew: bool,
     /// The smallest residual of the running solve, and how many corrections ago it was halved.
@@ -150,6 +152,7 @@ impl<'a> Problem<'a> {
             turns: 0,
             waits: false,
             judged_norm: 0.0,
+            corrections: 0,
             is_skew: false,
             stall: (0.0, 0),
             onset: Onset::default(),
@@ -267,7 +270,7 @@ impl<'a> Problem<'a> {
         let (comm, all) = (self.comm, &self.all);
         let verdict =
             self.convergence.judge(comm, all, &self.interfaces, iteration, norm, worst, other)?;
-        self.judged_norm = norm;
+        (self.judged_norm, self.corrections) = (norm, iteration);
         self.is_skew &= iteration > 0;
         let (smallest, since) = self.stall;
         self.stall = match iteration {

@@ -65,7 +65,12 @@ pub fn build<'a>(
     let names = case.interfaces.iter().map(|i| i.name.clone()).collect();
     let solver = &case.solver;
     let tolerance = solver.tolerance * share_of_corners(&mesh.column);
-    let convergence = Convergence::new(tolerance, solver.max_newton, &mesh.column, names);
+    let mut convergence = Convergence::new(tolerance, solver.max_newton, &mesh.column, names);
+    convergence.other = if case.flow.is_some() {
+        "the balance of the fluid"
+    } else {
+        "the quantity that control follows"
+    };
     let target = LinearTarget::new(tolerance);
 
     fault::strike(comm, "setup")?;

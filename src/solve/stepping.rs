@@ -260,7 +260,7 @@ impl<'a> Stepper<'a> {
                     self.time
                 )));
             }
-            was_doubted |= doubt.is_some();
+            was_doubted |= doubt.as_ref().is_some_and(|doubt| !doubt.is_final);
             if step <= smallest && was_doubted && !is_last {
                 tracing::info!(
                     "  step from {} to {target} failed: {why}; {instant} at once",

@@ -9,6 +9,7 @@
 use super::condensed;
 use super::interfaces::NodeResponse;
 use super::problem::Problem;
+use super::recycle::dot;
 use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::interface::JumpRows;
@@ -19,9 +20,13 @@ const MOST: usize = 40;
 /// The part of a correction that may be missing, and the part of what the answer of S lacks.
 const PART: f64 = 1e-10;
 const REDUCTION: f64 = 1e-4;
-/// What is left out of a linear solve may be this part of its right-hand side: each correction still
-/// takes away the rest.
+/// What is left out of a linear solve may be this part of its right-hand side: the next corrections take
+/// away the rest.
 const WEAK: f64 = 0.05;
+/// Where they have not after so many corrections of a solve, the part that may be left out, since stiff
+/// secants make much of little.
+const MOST_WEAK: usize = 4;
+const NEGLIGIBLE: f64 = 1e-9;
 
 /// The derivative of a node's tractions times weights beyond the symmetric one (N/m); none where there
 /// is nothing.
@@ -105,7 +110,8 @@ impl Problem<'_> {
         let missing = |y: &[f64]| self.times_beyond(&nodes, &free, y);
         let left_out = norm(comm, &missing(y));
         tracing::debug!(target: "newton", "  unsymmetric part  {:9.3e}", left_out / size);
-        if left_out <= WEAK * size {
+        let part = if self.corrections < MOST_WEAK { WEAK } else { NEGLIGIBLE };
+        if left_out <= part * size {
             return Ok(false);
         }
         // v + S^-1 U v.
@@ -129,11 +135,12 @@ impl Problem<'_> {
 
 /// The 2-norm over all ranks. Collective.
 pub(super) fn norm(comm: &Comm, v: &[f64]) -> f64 {
-    dot(comm, v, v).sqrt()
+    product(comm, v, v).sqrt()
 }
 
-fn dot(comm: &Comm, a: &[f64], b: &[f64]) -> f64 {
-    let mut sum = [a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>()];
+/// The inner product over all ranks. Collective.
+fn product(comm: &Comm, a: &[f64], b: &[f64]) -> f64 {
+    let mut sum = [dot(a, b)];
     comm.sum(&mut sum);
     sum[0]
 }
@@ -165,7 +172,7 @@ fn gmres(
         };
         let mut column = Vec::new();
         for v in &basis {
-            let part = dot(comm, v, &next);
+            let part = product(comm, v, &next);
             next.iter_mut().zip(v).for_each(|(next, v)| *next -= part * v);
             column.push(part);
         }

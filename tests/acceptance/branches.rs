@@ -137,6 +137,21 @@ fn the_weaker_of_two_interfaces_needs_no_choice() {
 }
 
 #[test]
+#[ignore = "two minutes: cargo test --release --test acceptance branches -- --ignored"]
+fn multigrid_follows_on_more_ranks() {
+    let scene = two("[8, 8, 36]", STRENGTH).set(FOLLOW).set("solver.linear=multigrid");
+    let (first, run) = (scene.on(1), scene.on(4));
+    first.assert_same(&run, 1e-8);
+    assert_eq!(the_bifurcation(&run), the_bifurcation(&first));
+    for (weak, whole) in [("lower", "upper"), ("upper", "lower")] {
+        let imperfect = scene.set(&imperfection(weak, "0.999")).in_any_steps();
+        for ranks in [1, 3] {
+            assert_one_opens(&imperfect.on(ranks), weak, whole, 0.999);
+        }
+    }
+}
+
+#[test]
 fn an_imperfection_selects_the_weaker_interface() {
     // On 3 ranks the coarsest lattice is a finer one, and takes ten times as long: two equal interfaces
     // have it above.

@@ -190,6 +190,16 @@ fn an_injection_at_a_constant_rate_balances_on_any_ranks() {
 }
 
 #[test]
+#[ignore = "a minute: cargo test --release --test acceptance film:: -- --ignored"]
+fn an_injection_that_opens_everywhere_is_the_same_on_3_and_4_ranks() {
+    let scene = Scene::new("injected", &[INJECTED, TWO_ROCKS].concat()).in_any_steps();
+    let one = scene.on(1);
+    for (ranks, solver) in [(3, "gamg"), (4, "hypre")] {
+        assert_close(&one, &scene.set(&format!("solver.linear={solver}")).on(ranks), 1e-8);
+    }
+}
+
+#[test]
 fn an_injection_goes_on_on_other_ranks() {
     let scene = Scene::new("injected", &[INJECTED, TWO_ROCKS].concat()).in_any_steps();
     let whole = scene.on(1);

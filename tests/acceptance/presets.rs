@@ -90,7 +90,8 @@ fn a_block_that_nothing_holds_is_told_by_every_solver() {
             Ok(run) => {
                 let least =
                     run.column("lower.damage.min")[0].min(run.column("upper.damage.min")[0]);
-                assert!(least < 0.999, "{}", run.label);
+                // What is left of one of them holds.
+                assert!(least < 1.0 - 1e-9, "{}", run.label);
             }
             Err(failure) => {
                 assert_eq!(failure.status, Some(3), "{}", failure.complaint);

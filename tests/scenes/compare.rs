@@ -144,7 +144,7 @@ impl<'a> Measure<'a> {
         let traction = file.dataset("VTKHDF/PointData/traction").and_then(|d| d.read_raw::<f64>());
         let traction = traction.expect("tractions beside states");
         let rounding = self.part * 0.1 * self.built.stress;
-        let of_node = traction.chunks_exact(traction.len() / nodes.max(1));
+        let of_node = traction.chunks_exact((traction.len() / nodes.max(1)).max(1));
         of_node.map(|t| t.iter().all(|t| t.abs() <= rounding)).collect()
     }
 

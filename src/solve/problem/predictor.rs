@@ -150,12 +150,11 @@ impl Problem<'_> {
                 if self.interfaces.is_gradual {
                     return false;
                 }
-                let Some(waiting) = self.find_onset() else { return false };
-                if self.turns < MOST_TURNS && self.turn() {
-                    self.turns += 1;
-                    self.prediction = Prediction::Due;
+                let waiting = self.find_onset();
+                if waiting.is_none() {
+                    return false;
                 }
-                Some(waiting)
+                waiting
             }
         };
         self.waits = true;
@@ -222,35 +221,9 @@ impl Problem<'_> {
         self.interfaces.base.clone_from(&self.interfaces.accepted);
     }
 
-    /// Takes nodes that have opened or closed on the way to the state that was evaluated last to where
-    /// they have, if that is before any has given way. Whether it is. Collective.
-    fn turn(&mut self) -> bool {
-        let (all, state) = (&self.all, &self.interfaces);
-        let changes = (0..state.response.len()).map(|index| state.changes_at(all, index));
-        let changes: Vec<Changes> = changes.collect();
-        let mut first = [f64::INFINITY; 2];
-        for Changes { turns, grows } in &changes {
-            for (first, part) in first.iter_mut().zip([turns, grows]) {
-                *first = first.min(part.unwrap_or(f64::INFINITY));
-            }
-        }
-        self.comm.min(&mut first);
-        let [turns, grows] = first;
-        if turns >= grows || is_with(turns, grows) {
-            return false;
-        }
-        for (index, changes) in changes.iter().enumerate() {
-            let Some(part) = changes.turns.filter(|part| is_with(turns, *part)) else { continue };
-            let (from, to) =
-                (self.interfaces.base[index], self.interfaces.augmented(&self.all, index));
-            self.interfaces.base[index] =
-                std::array::from_fn(|c| from[c] + part * (to[c] - from[c]));
-        }
-        true
-    }
-
     /// Finds the points that give way first on the way to the state that was evaluated last, and
-    /// marks the nodes of the interfaces whose turn has not come; none if all may give way.
+    /// marks the nodes of the interfaces whose turn has not come; none if all may give way. Nodes that
+    /// open or close before any gives way are taken to where they do, and another prediction is due.
     /// Collective.
     fn find_onset(&mut self) -> Option<Vec<bool>> {
         let (all, state) = (&self.all, &self.interfaces);
@@ -283,6 +256,20 @@ impl Problem<'_> {
             .map(|i| earliest[count + i].is_finite() && !is_with(first, earliest[i]))
             .collect();
         let rows = all.secondary.iter().take(changes.len());
-        waits.contains(&true).then(|| rows.map(|rows| waits[rows.interface]).collect())
+        let waiting: Option<Vec<bool>> =
+            waits.contains(&true).then(|| rows.map(|rows| waits[rows.interface]).collect());
+        if waiting.is_some() && self.turns < MOST_TURNS && turns < grows && !is_with(turns, grows) {
+            self.turns += 1;
+            self.prediction = Prediction::Due;
+            for (index, changes) in changes.iter().enumerate() {
+                let together = changes.turns.filter(|part| is_with(turns, *part));
+                let Some(part) = together else { continue };
+                let to = self.interfaces.augmented(&self.all, index);
+                let from = self.interfaces.base[index];
+                self.interfaces.base[index] =
+                    std::array::from_fn(|c| from[c] + part * (to[c] - from[c]));
+            }
+        }
+        waiting
     }
 }
