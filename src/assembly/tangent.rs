@@ -5,6 +5,8 @@
 //! becomes the identity. Prescribed components have identity rows and columns too. Only rows near
 //! an interface depend on the state; they alone are set anew when it changes.
 
+use nalgebra::Matrix3;
+
 use super::{Discretization, Pattern};
 use crate::comm::Comm;
 use crate::error::Result;
@@ -38,6 +40,28 @@ impl NodeState {
         };
         let change = square(&|i, j| self.tangent[i][j] - other.tangent[i][j]);
         self.stuck == other.stuck && change <= PART * PART * square(&|i, j| self.tangent[i][j])
+    }
+
+    /// Whether some jump is answered by less traction the more of it there is.
+    pub fn softens(&self) -> bool {
+        let values = self.law().symmetric_eigenvalues();
+        values.min() < -f64::EPSILON * values.amax()
+    }
+
+    /// The state with the sizes of the tangent's eigenvalues: positive where it softens.
+    pub fn stiffened(&self) -> Self {
+        if !self.softens() {
+            return *self;
+        }
+        let mut eigen = self.law().symmetric_eigen();
+        eigen.eigenvalues.iter_mut().for_each(|value| *value = value.abs());
+        let sizes = eigen.recompose();
+        let tangent = std::array::from_fn(|i| std::array::from_fn(|j| sizes[(i, j)]));
+        Self { tangent, ..*self }
+    }
+
+    fn law(&self) -> Matrix3<f64> {
+        Matrix3::from_fn(|i, j| self.tangent[i][j])
     }
 
     /// As numbers, for the exchange between ranks.

@@ -104,6 +104,30 @@ impl Matrix {
         Matrix { raw, petsc: petsc.clone(), owned, global, block_size }
     }
 
+    /// A matrix with the same pattern and values, symmetric, with the same motions for algebraic multigrid.
+    /// Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn duplicate(&self) -> Result<Self> {
+        let (mut raw, mut motions) = (ptr::null_mut(), ptr::null_mut());
+        // SAFETY: a valid, assembled matrix.
+        let code = unsafe { ffi::MatDuplicate(self.raw, ffi::MAT_COPY_VALUES, &mut raw) };
+        check(code, "MatDuplicate")?;
+        let copy = Self::from_raw(raw, &self.petsc, self.owned, self.global, self.block_size);
+        for option in [ffi::MAT_KEEP_NONZERO_PATTERN, ffi::MAT_SYMMETRIC, ffi::MAT_SYMMETRY_ETERNAL]
+        {
+            // SAFETY: a valid matrix.
+            check(unsafe { ffi::MatSetOption(raw, option, ffi::PETSC_TRUE) }, "MatSetOption")?;
+        }
+        // SAFETY: a valid matrix, which lends its motions or null.
+        let code = unsafe { ffi::MatGetNearNullSpace(self.raw, &mut motions) };
+        check(code, "MatGetNearNullSpace")?;
+        // SAFETY: a valid matrix, which takes a reference of its own.
+        check(unsafe { ffi::MatSetNearNullSpace(raw, motions) }, "MatSetNearNullSpace")?;
+        Ok(copy)
+    }
+
     /// Takes back that the matrix is symmetric. Collective, before the first values.
     ///
     /// # Errors

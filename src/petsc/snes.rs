@@ -4,6 +4,7 @@
 
 mod again;
 mod callbacks;
+mod definite;
 mod ran;
 mod report;
 mod system;
@@ -19,6 +20,7 @@ use super::linear::{Ksp, KspSetup, LinearFailure};
 use super::{Matrix, MultigridLevel, Petsc, Smoother, Vector, ffi};
 use crate::error::{Error, Result};
 use callbacks::{Context, UserSet};
+use definite::Definite;
 use std::ffi::c_void;
 use std::ptr;
 
@@ -28,6 +30,7 @@ pub struct Snes {
     /// A valid solver until drop.
     raw: ffi::SNES,
     matrix: Matrix,
+    definite: Definite,
     residual: Vector,
     ksp: Ksp,
     /// Names of the options that this solver's set-up put into the database.
@@ -89,6 +92,7 @@ impl Snes {
         let mut snes = Snes {
             raw,
             matrix,
+            definite: Definite::default(),
             residual,
             ksp,
             defaults,
@@ -189,7 +193,8 @@ impl Snes {
             self.forget_factors()?;
         }
         let ranks = self.petsc.comm().size();
-        let mut context = Context::new(system, &mut self.matrix, (self.ksp, ranks), self.user);
+        let matrices = (&mut self.matrix, &mut self.definite);
+        let mut context = Context::new(system, matrices, (self.ksp, ranks), self.user);
         let address = (&raw mut context).cast::<c_void>();
         // SAFETY: the context lives until `uninstall`, and only callbacks use it meanwhile.
         let installed = unsafe { install::<S>(self.raw, &self.residual, address) };

@@ -16,5 +16,5 @@
 // bind functions: MatCreateShell MatShellSetOperation MatShellGetContext PCSetType PCMGSetLevels PCMGSetInterpolation PCMGGetSmoother PCMGGetLevels KSPSetOperators KSPSetType KSPChebyshevSetEigenvalues KSPSetConvergenceTest KSPGetTolerances KSPBuildSolution KSPDestroy PetscObjectReference
 // bind functions: PCShellSetContext PCShellGetContext PCShellSetApply PCShellSetDestroy
 // bind functions: METIS_MeshToDual METIS_PartGraphKway METIS_PartGraphRecursive METIS_SetDefaultOptions METIS_Free
-// bind functions: KSPCreate KSPSetOptionsPrefix KSPSetFromOptions SNESSetKSP KSPGMRESSetRestart KSPBuildResidual KSPGetRhs KSPGetSolution KSPGetOperators VecAYPX KSPGetNormType MatDuplicate MatShift MatMumpsGetIcntl
+// bind functions: KSPCreate KSPSetOptionsPrefix KSPSetFromOptions SNESSetKSP KSPGMRESSetRestart KSPBuildResidual KSPGetRhs KSPGetSolution KSPGetOperators VecAYPX KSPGetNormType MatDuplicate MatGetNearNullSpace MatShift MatMumpsGetIcntl
 // bind functions: KSPSetPreSolve KSPSetInitialGuessNonzero KSPSolve KSPConvergedDefault KSPConvergedDefaultCreate KSPConvergedDefaultDestroy KSPSetUp KSPSetReusePreconditioner PCApply

@@ -159,7 +159,7 @@ impl Blocks {
         if change != TangentChange::Unchanged {
             self.tangent.set_state(problem.assembled_state());
             if self.is_split() || self.holds.get() {
-                block.solver.set_up(change)?;
+                block.solver.set_up_for(problem, change)?;
             }
         }
         Ok(change)

@@ -53,10 +53,15 @@ const UNITS: f64 = 32.0;
 /// Where the largest force is no more than this many times the rounding, none acts.
 const MEANINGLESS: f64 = 1e3;
 
+/// What rounding may leave of parts that cancel, of size `cancelling` at most.
+pub fn rounding(cancelling: f64) -> f64 {
+    UNITS * f64::EPSILON * cancelling
+}
+
 /// Whether what is missing in a balance, at most, is no more than what rounding leaves of parts that
 /// cancel, of size `cancelling` at most, beside which its largest part `scale` is nothing either.
 pub fn is_rounding(missing: f64, scale: f64, cancelling: f64) -> bool {
-    let rounding = UNITS * f64::EPSILON * cancelling;
+    let rounding = rounding(cancelling);
     missing <= rounding && scale <= MEANINGLESS * rounding
 }
 

@@ -19,7 +19,7 @@ use crate::petsc::{
 use crate::timers::Phase;
 
 /// How many times smaller than that of forces the error of the fluid's balance has to be: errors of all
-/// steps add up in the accounts.
+/// steps add up in the accounts. Below what rounding may leave it cannot be.
 const STRICTER: f64 = 100.0;
 
 /// Part by which one correction may change the density of a fluid that flows along an interface. Between
@@ -40,14 +40,15 @@ pub struct Coupling {
     assembled: Option<FlowStep>,
     /// The last corrections of both fields.
     earlier: Earlier,
-    /// What is missing in the balance of the fluid at the last state, over its scale.
-    missing: f64,
+    /// What is missing in the balance of the fluid at the last state, and how much of that rounding may be,
+    /// over its scale.
+    pub(super) missing: [f64; 2],
 }
 
 impl Coupling {
     /// Nothing is assembled yet.
     pub fn new(flow: Flow, blocks: Rc<Blocks>) -> Self {
-        Self { flow, blocks, assembled: None, earlier: Earlier::default(), missing: 0.0 }
+        Self { flow, blocks, assembled: None, earlier: Earlier::default(), missing: [0.0; 2] }
     }
 
     /// The solvers of the preconditioner's blocks. Local.
@@ -85,7 +86,7 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         let _phase = problem.timers.enter(Phase::Assembly);
         if blocks.holds.get() {
             fp.fill(0.0);
-            *missing = 0.0;
+            *missing = [0.0; 2];
             return Ok(());
         }
         let state = (&problem.displacement[..], &problem.known_jumps[..]);
@@ -208,7 +209,9 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
     fn verdict(&mut self, iteration: usize, _x: &[f64], f: &[f64], norm: f64) -> Result<Verdict> {
         self.problem.pulse.correction(self.problem.comm, iteration)?;
         let split = self.coupling.blocks.split;
-        self.problem.judge(iteration, &f[..split], norm, STRICTER * self.coupling.missing)
+        let [missing, rounding] = self.coupling.missing;
+        let stricter = if missing <= rounding { 1.0 } else { STRICTER };
+        self.problem.judge(iteration, &f[..split], norm, stricter * missing)
     }
 
     fn linear_tolerance(&mut self, _iteration: usize, norm: f64) -> LinearTolerance {

@@ -9,7 +9,7 @@ pub use accounts::FluidBalance;
 use std::rc::Rc;
 
 use super::Problem;
-use super::convergence::is_rounding;
+use super::convergence::{is_rounding, rounding};
 use super::pace::Pace;
 use crate::assembly::{Discretization, PoreSpace};
 use crate::bulk::{FlowStep, Loads};
@@ -211,14 +211,14 @@ impl Flow {
 
     /// The residual of the last state: of what is missing at each owned node, in the unit of a force (N).
     /// `known` are displacements that the linear solve does not find. Returns how much is missing
-    /// at most over the largest magnitude. Collective.
+    /// at most over the largest magnitude, and how much of that rounding may be. Collective.
     pub fn residual(
         &mut self,
         comm: &Comm,
         all: &Discretization,
         (u, known): (&[f64], &[f64]),
         f: &mut [f64],
-    ) -> f64 {
+    ) -> [f64; 2] {
         let [mut rows, mut sizes] = self.rows(all, u);
         self.space.fold(&mut rows);
         self.space.sum(&mut sizes);
@@ -241,7 +241,7 @@ impl Flow {
             *f = self.scale * (followed - row);
         }
         let is_nothing = worst[0] == 0.0 || is_rounding(worst[0], scale, worst[2]);
-        if is_nothing { 0.0 } else { worst[0] / scale }
+        if is_nothing { [0.0; 2] } else { [worst[0] / scale, rounding(worst[2]) / scale] }
     }
 
     /// The largest magnitude of the balance in the unit of a force (N). Local: the same on all ranks.

@@ -48,7 +48,9 @@ const GAMG: &[(&str, &str)] = &[
     ("mg_levels_pc_type", "jacobi"),
 ];
 
-/// Conjugate gradients with BoomerAMG by unknowns: several times faster here than its defaults.
+/// Conjugate gradients with BoomerAMG by unknowns: several times faster here than its defaults. The
+/// smoother needs no eigenvalues, of which hypre's estimate for Chebyshev is another in each run where a
+/// level has few different ones.
 const HYPRE: &[(&str, &str)] = &[
     ("ksp_type", "cg"),
     ("ksp_max_it", "500"),
@@ -59,7 +61,7 @@ const HYPRE: &[(&str, &str)] = &[
     ("pc_hypre_boomeramg_interp_type", "ext+i"),
     ("pc_hypre_boomeramg_P_max", "4"),
     ("pc_hypre_boomeramg_agg_nl", "1"),
-    ("pc_hypre_boomeramg_relax_type_all", "Chebyshev"),
+    ("pc_hypre_boomeramg_relax_type_all", "l1scaled-SOR/Jacobi"),
 ];
 
 /// Conjugate gradients with geometric multigrid; the levels come from the mesh.
@@ -109,6 +111,12 @@ impl LinearChoice {
     pub fn without_levels(self) -> Self {
         let why = format!("{}, but the mesh is too small for a coarser lattice", self.why);
         Self::named("mumps", why)
+    }
+
+    /// The options of elimination, for where iterations of a matrix with so many `unknowns` lead nowhere;
+    /// none where it would take too much memory. Local.
+    pub fn elimination(unknowns: u64) -> Option<&'static [(&'static str, &'static str)]> {
+        (unknowns as f64 <= MOST_FOR_ELIMINATION).then_some(MUMPS)
     }
 
     /// No solver: the states of the model come from elsewhere.

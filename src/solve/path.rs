@@ -38,6 +38,8 @@ pub struct PathControl {
     held: bool,
     /// Why the factor could not be found in the running step.
     pub failure: Option<String>,
+    /// Whether that was a linear solve.
+    pub is_unsolved: bool,
 }
 
 /// The quantity at a state: its value, and how it answers to a change of the displacement.
@@ -62,6 +64,7 @@ impl PathControl {
             unit_displacement: Vec::new(),
             held: false,
             failure: None,
+            is_unsolved: false,
         }
     }
 
@@ -77,7 +80,12 @@ impl PathControl {
             self.target += BEYOND;
         }
         self.factor = self.accepted;
-        self.failure = None;
+        self.forget_failure();
+    }
+
+    /// Makes another solve possible.
+    pub fn forget_failure(&mut self) {
+        (self.failure, self.is_unsolved) = (None, false);
     }
 
     /// Whether the step is to break all that is left of the interface.

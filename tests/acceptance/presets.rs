@@ -56,6 +56,54 @@ fn a_tangent_that_turns_indefinite_is_solved_on_any_number_of_ranks() {
     }
 }
 
+/// On a fine mesh half of the points soften steeply: algebraic multigrid is made of a tangent in which they
+/// stiffen.
+#[test]
+fn a_joint_that_softens_steeply_is_no_matter_for_algebraic_multigrid() {
+    let scene = |linear: &str| {
+        let scene = Scene::new("bar", BAR).set("mesh.column.cells=[8, 80]");
+        scene.set(&format!("solver.linear={linear}")).in_any_steps()
+    };
+    let reference = scene("mumps").on(1);
+    for (linear, ranks) in [("hypre", 1), ("hypre", 2), ("gamg", 3)] {
+        let run = scene(linear).on(ranks);
+        assert_same(&run, &reference);
+        let ran = &run.report["linear_solver"]["ran"][0];
+        assert_eq!((&ran["method"], &ran["preconditioner"]), (&"gmres".into(), &linear.into()));
+    }
+}
+
+/// Tension and shear where softening has just begun: secants a billion times stiffer than the bars.
+const SHEARED: &str = "
+mesh: {column: {size: [0.5, 2], cells: [1, 2]}}
+materials: {bar: {elastic: {young_modulus: 1.0e+9, poisson_ratio: 0}}}
+interfaces: [{name: joint, z: 1, law: {linear_softening: {strength: 1.0e+5, fracture_energy: 1.2}}}]
+boundary:
+  - {on: bottom, displacement: {x: 0, z: 0}}
+  - {on: top, displacement: {x: {table: [[0, 0], [1, -1.25e-5]]}, z: {table: [[0, 0], [1, 5.0e-6]]}}}
+initial: {imperfection: [{interface: joint, factor: 0.8}]}
+control: {dissipation: {of: joint, step: 0.125}}
+time: {instants: [1]}
+";
+
+#[test]
+fn elimination_takes_over_where_iterations_lead_nowhere() {
+    let scene = |linear: &str| {
+        Scene::new("sheared", SHEARED).set(&format!("solver.linear={linear}")).in_any_steps()
+    };
+    let reference = scene("mumps").on(1);
+    for (linear, ranks) in [("hypre", 1), ("hypre", 2), ("gamg", 2)] {
+        assert_same(&scene(linear).on(ranks), &reference);
+    }
+    let run = scene("hypre").on(1);
+    let ran = &run.report["linear_solver"]["ran"][0];
+    assert_eq!((&ran["method"], &ran["package"]), (&"preonly".into(), &"mumps".into()));
+    // Options of the user stay.
+    let failure = scene("hypre").set("solver.petsc_options=-ksp_max_it 3").attempt(1).err();
+    let complaint = failure.expect("too few iterations").complaint;
+    assert!(complaint.contains("the linear solver failed"), "{complaint}");
+}
+
 #[test]
 fn pivots_are_counted_on_any_number_of_ranks() {
     let scene = Scene::shipped("stability/two_equal_interfaces.yaml")

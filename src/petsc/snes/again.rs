@@ -7,6 +7,7 @@ use super::super::ffi;
 use super::super::linear::{Ksp, LinearFailure};
 use super::{Snes, SolveReport};
 use crate::error::Result;
+use std::ptr;
 
 /// GMRES on a tangent that is indefinite: its vectors stay orthogonal, and where a restart shows that they
 /// were not, it goes on from there.
@@ -69,6 +70,37 @@ impl Snes {
         }
         // SAFETY: a valid solver.
         check(unsafe { ffi::SNESSetFromOptions(self.raw) }, "SNESSetFromOptions")?;
+        Ok(true)
+    }
+
+    /// After a linear solve that failed though its method and preconditioner are those of a preset of
+    /// algebraic multigrid: takes elimination from now on, as `options` say. Tells whether it did.
+    /// Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn try_elimination(&mut self, options: &[(&str, &str)]) -> Result<bool> {
+        let ours = ["ksp_type", "ksp_max_it", "pc_type"];
+        let ours =
+            ours.iter().all(|name| self.defaults.contains(&format!("{}{name}", self.prefix)));
+        if !ours || !matches!(&*self.pc_type()?, "gamg" | "hypre") {
+            return Ok(false);
+        }
+        for (name, value) in options {
+            let name = format!("{}{name}", self.prefix);
+            if self.defaults.contains(&name) {
+                self.petsc.set_option(&name, value)?;
+            } else if self.petsc.set_default(&name, value)? {
+                self.defaults.push(name);
+            }
+        }
+        self.definite.forget();
+        let (none, no_context) = (ptr::null_mut(), ptr::null_mut());
+        // SAFETY: a valid solver and its own matrix; null keeps what is set.
+        let code =
+            unsafe { ffi::SNESSetJacobian(self.raw, none, self.matrix.raw(), None, no_context) };
+        check(code, "SNESSetJacobian")?;
+        self.forget_factors()?;
         Ok(true)
     }
 

@@ -7,6 +7,7 @@
 
 #![allow(unsafe_code)]
 
+use super::definite::Definite;
 use super::{NonlinearSystem, TangentChange, Trial, Verdict};
 use crate::error::{Error, Result};
 use crate::petsc::error::check;
@@ -37,6 +38,7 @@ pub(super) struct UserSet {
 pub(super) struct Context<'a, S> {
     system: &'a mut S,
     matrix: &'a mut Matrix,
+    definite: &'a mut Definite,
     ksp: Ksp,
     ranks: i32,
     user: UserSet,
@@ -60,13 +62,14 @@ pub(super) struct Context<'a, S> {
 impl<'a, S> Context<'a, S> {
     pub(super) fn new(
         system: &'a mut S,
-        matrix: &'a mut Matrix,
+        (matrix, definite): (&'a mut Matrix, &'a mut Definite),
         (ksp, ranks): (Ksp, i32),
         user: UserSet,
     ) -> Self {
         Context {
             system,
             matrix,
+            definite,
             ksp,
             ranks,
             user,
@@ -147,6 +150,13 @@ pub(super) unsafe extern "C" fn tangent<S: NonlinearSystem>(
         // SAFETY: PETSc lends a valid vector for the length of the call.
         let x = unsafe { ReadView::new(x) }?;
         let change = context.system.tangent(&x, context.matrix)?;
+        if change == TangentChange::Changed {
+            let of = context.definite.choose(context.system, context.matrix, context.ksp)?;
+            let (none, no_context) = (ptr::null_mut(), ptr::null_mut());
+            // SAFETY: the solver that calls, which hands the matrix to its linear solver next.
+            let code = unsafe { ffi::SNESSetJacobian(snes, none, of, None, no_context) };
+            check(code, "SNESSetJacobian")?;
+        }
         if !context.user.preconditioner {
             // SNES decides on the preconditioner after this call, by its lag: 1 builds it again
             // each time, -1 never.

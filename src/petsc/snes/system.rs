@@ -63,6 +63,19 @@ pub trait NonlinearSystem {
     /// solve.
     fn tangent(&mut self, x: &[f64], matrix: &mut Matrix) -> Result<TangentChange>;
 
+    /// Whether the tangent that was written last may be indefinite, and [`NonlinearSystem::stiffen`] makes
+    /// a copy of it positive definite.
+    fn softens(&mut self) -> bool {
+        false
+    }
+
+    /// Makes `copy`, a matrix that held the tangent of this or an earlier state, a positive definite one
+    /// that is close to the present tangent.
+    fn stiffen(&mut self, copy: &mut Matrix) -> Result<()> {
+        let _ = copy;
+        Ok(())
+    }
+
     /// Turns the correction that the linear solve returned into the direction d of the unknowns:
     /// x becomes x - d (times the step length of the line search). `solve` solves a further system
     /// with the same tangent.

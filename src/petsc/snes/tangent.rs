@@ -30,6 +30,21 @@ impl Snes {
         x: &[f64],
     ) -> Result<TangentAt<'_>> {
         let change = system.tangent(x, &mut self.matrix)?;
+        self.set_up_for(system, change)
+    }
+
+    /// As [`Snes::set_up`], where the matrix is the tangent of `system`. Collective.
+    ///
+    /// # Errors
+    /// As [`Snes::tangent_at`].
+    pub fn set_up_for<S: NonlinearSystem>(
+        &mut self,
+        system: &mut S,
+        change: TangentChange,
+    ) -> Result<TangentAt<'_>> {
+        if change == TangentChange::Changed {
+            self.definite.choose(system, &self.matrix, self.ksp)?;
+        }
         self.set_up(change)
     }
 
@@ -45,7 +60,8 @@ impl Snes {
         let keep = if keep { ffi::PETSC_TRUE } else { ffi::PETSC_FALSE };
         // SAFETY: a valid solver and its own matrix.
         unsafe {
-            check(ffi::KSPSetOperators(ksp, matrix, matrix), "KSPSetOperators")?;
+            let of = self.definite.or(&self.matrix);
+            check(ffi::KSPSetOperators(ksp, matrix, of), "KSPSetOperators")?;
             check(ffi::KSPSetReusePreconditioner(ksp, keep), "KSPSetReusePreconditioner")?;
         }
         self.factor()?;

@@ -1,6 +1,7 @@
 //! The problem as the callbacks of Newton's method see it.
 
 use super::{Problem, TangentForm};
+use crate::assembly::NodeState;
 use crate::error::{Error, Result};
 use crate::fault;
 use crate::petsc::{
@@ -62,6 +63,20 @@ impl NonlinearSystem for Problem<'_> {
         Ok(TangentChange::ChangedKeepPreconditioner)
     }
 
+    fn softens(&mut self) -> bool {
+        let is_matrix = matches!(self.form, TangentForm::Assembled(_));
+        let some = self.assembled_state().iter().any(NodeState::softens);
+        is_matrix && self.comm.any(some)
+    }
+
+    fn stiffen(&mut self, copy: &mut Matrix) -> Result<()> {
+        let state: Vec<_> = self.assembled_state().iter().map(NodeState::stiffened).collect();
+        match &mut self.form {
+            TangentForm::Assembled(tangent) => tangent.assemble(self.comm, &self.all, &state, copy),
+            _ => Err(Error::Bug("a tangent that is no matrix".into())),
+        }
+    }
+
     fn direction(
         &mut self,
         _x: &[f64],
@@ -99,7 +114,10 @@ impl NonlinearSystem for Problem<'_> {
                 path.factor = before + part * (path.factor - before);
                 correction.iter_mut().for_each(|c| *c *= part);
             }
-            Err(Error::Numerics(words)) => path.failure = Some(words),
+            Err(Error::Numerics(words)) => {
+                (path.failure, path.is_unsolved) = (Some(words), true);
+                correction.fill(0.0);
+            }
             Err(other) => return Err(other),
         }
         self.scale_load();

@@ -3,6 +3,7 @@
 use super::Stepper;
 use crate::error::{Error, Result};
 use crate::petsc::{Ran, SolveReport};
+use crate::solve::linear::LinearChoice;
 
 impl Stepper<'_> {
     /// The linear solvers as PETSc has them, that of all unknowns first. Local.
@@ -34,6 +35,19 @@ impl Stepper<'_> {
             self.is_indefinite = true;
             let why = self.reason(&report);
             tracing::info!("  {why}: GMRES takes the place of conjugate gradients");
+            report = self.go_on(&report)?;
+        }
+        let unsolved = self.problem.path.as_ref().is_some_and(|path| path.is_unsolved);
+        let unknowns = self.problem.all.nodes.total * self.problem.all.dim as u64;
+        if (unsolved || report.failing_linear.is_some())
+            && let Some(options) = LinearChoice::elimination(unknowns)
+            && self.snes.try_elimination(options)?
+        {
+            let why = self.reason(&report);
+            tracing::info!("  {why}: MUMPS takes the place of iterations");
+            if let Some(path) = &mut self.problem.path {
+                path.forget_failure();
+            }
             report = self.go_on(&report)?;
         }
         if let Some(failure) = report.failing_linear.as_ref().filter(|f| f.is_final()) {

@@ -24,7 +24,7 @@ impl Stepper<'_> {
         let stiffness = problem.stiffness();
         let part = rounding(stiffness, scales);
         if !(part > tolerance && part.is_finite()) {
-            return String::new();
+            return self.rounding_of_fluid();
         }
         let [force, displacement] = scales;
         format!(
@@ -33,6 +33,22 @@ impl Stepper<'_> {
              {displacement:.1e} m is known to {:.0e} N, beside forces of {force:.1e} N; less contrast between \
              moduli, sizes of cells, or compressibilities, or a larger tolerance",
             GATHERED * f64::EPSILON * stiffness * displacement
+        )
+    }
+}
+
+impl Stepper<'_> {
+    /// As [`Stepper::rounding_words`], of the balance of the fluid. Local.
+    fn rounding_of_fluid(&self) -> String {
+        let tolerance = self.case.solver.tolerance;
+        let part = self.coupling.as_ref().map_or(0.0, |coupling| coupling.missing[1]);
+        if !(part > tolerance && part.is_finite()) {
+            return String::new();
+        }
+        format!(
+            "\nrounding alone may leave {part:.0e} of the largest volume of fluid out of balance, more than \
+             solver.tolerance {tolerance:e}: displacements are large beside what flows; longer steps, or a \
+             larger tolerance"
         )
     }
 }

@@ -1,0 +1,53 @@
+//! What an indefinite tangent is preconditioned by.
+
+#![allow(unsafe_code)]
+
+use super::super::linear::Ksp;
+use super::super::{Matrix, ffi};
+use super::NonlinearSystem;
+use crate::error::Result;
+
+/// A copy of the tangent that is positive definite, where a system makes one: algebraic multigrid
+/// understands nothing else.
+#[derive(Default)]
+pub(super) struct Definite {
+    copy: Option<Matrix>,
+    /// Whether the preconditioner is made of it.
+    is_used: bool,
+}
+
+impl Definite {
+    /// The matrix for the preconditioner of `ksp`, which is built again, after `system` has written its
+    /// tangent into `matrix`. Collective.
+    ///
+    /// # Errors
+    /// Those of the system; `System` when PETSc fails.
+    pub(super) fn choose<S: NonlinearSystem>(
+        &mut self,
+        system: &mut S,
+        matrix: &Matrix,
+        ksp: Ksp,
+    ) -> Result<ffi::Mat> {
+        let serves = ksp.is_iterative()? && matches!(&*ksp.pc_type_name()?, "gamg" | "hypre");
+        self.is_used = serves && system.softens();
+        if self.is_used {
+            let mut copy = match self.copy.take() {
+                Some(copy) => copy,
+                None => matrix.duplicate()?,
+            };
+            system.stiffen(&mut copy)?;
+            self.copy = Some(copy);
+        }
+        Ok(self.or(matrix))
+    }
+
+    /// From now on the preconditioner is made of the tangent. Local.
+    pub(super) fn forget(&mut self) {
+        *self = Self::default();
+    }
+
+    /// The matrix that was chosen last, `matrix` being the tangent. Local.
+    pub(super) fn or(&self, matrix: &Matrix) -> ffi::Mat {
+        self.copy.as_ref().filter(|_| self.is_used).unwrap_or(matrix).raw()
+    }
+}
