@@ -37,17 +37,45 @@ step format cargo fmt --check
 step lints cargo clippy --release --all-targets --features faults -- -D warnings
 # The tests are the same without the feature; the library and the program are not.
 step lints_of_release cargo clippy --release --lib --bins -- -D warnings
-# Many tests wait, for a signal or for the end of a run, and leave a core idle: one more has it meanwhile.
-export RUST_TEST_THREADS="${RUST_TEST_THREADS:-$(($(nproc) + 1))}"
-# Many tests make the program fail on purpose, which a program for use cannot be asked for.
-step tests cargo test --release --features faults --no-fail-fast
+# Many tests make the program fail on purpose, which a program for use cannot be asked for. Nobody steps through it:
+# debug information costs a tenth of the build.
+tests=(cargo test --release --features faults --config profile.release.package.column-hpc.debug=false)
+step tests_build "${tests[@]}" --no-run
+# Many tests wait, for a signal or for the end of a run, and leave a core idle. The acceptance tests are the longest:
+# the others run beside them.
+export RUST_TEST_THREADS="${RUST_TEST_THREADS:-$(nproc)}"
+others=()
+for file in tests/*.rs tests/*/main.rs; do
+    name=$(basename "${file%/main.rs}" .rs)
+    [ "$name" = acceptance ] || others+=(--test "$name")
+done
+beside() {
+    local status=0
+    "${tests[@]}" --no-fail-fast --lib --bins "${others[@]}" || status=1
+    "${tests[@]}" --doc || status=1
+    scripts/slurm/self_test.sh || status=1
+    return $status
+}
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+beside >"$log" 2>&1 &
+lane=$!
+# Where this ends before its time, nothing runs on alone.
+trap 'kill "$lane" 2>/dev/null; rm -f "$log"' EXIT
+step acceptance "${tests[@]}" --test acceptance
+all_others() {
+    local status=0
+    wait "$lane" || status=$?
+    cat "$log"
+    return $status
+}
+step other_tests all_others
 # From here on the program for use is tested.
 step release cargo build --release
 step no_faults no_faults
 if [ -x scripts/check_fields.sh ]; then
     step fields scripts/check_fields.sh
 fi
-step slurm scripts/slurm/self_test.sh
 step plot python3 scripts/plot_history.py --self-test
 step stability scripts/stability.sh self-test
 

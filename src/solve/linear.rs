@@ -48,9 +48,7 @@ const GAMG: &[(&str, &str)] = &[
     ("mg_levels_pc_type", "jacobi"),
 ];
 
-/// Conjugate gradients with BoomerAMG by unknowns: several times faster here than its defaults. The
-/// smoother needs no eigenvalues, of which hypre's estimate for Chebyshev is another in each run where a
-/// level has few different ones.
+/// Conjugate gradients with BoomerAMG by unknowns: several times faster here than its defaults.
 const HYPRE: &[(&str, &str)] = &[
     ("ksp_type", "cg"),
     ("ksp_max_it", "500"),
