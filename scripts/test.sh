@@ -37,6 +37,7 @@ step format cargo fmt --check
 step lints cargo clippy --release --all-targets --features faults -- -D warnings
 # The tests are the same without the feature; the library and the program are not.
 step lints_of_release cargo clippy --release --lib --bins -- -D warnings
+step docs env RUSTDOCFLAGS="-D warnings" cargo doc --release --features faults --no-deps --document-private-items
 # Many tests make the program fail on purpose, which a program for use cannot be asked for. Nobody steps through it:
 # debug information costs a tenth of the build.
 tests=(cargo test --release --features faults --config profile.release.package.column-hpc.debug=false)

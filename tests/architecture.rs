@@ -10,6 +10,15 @@ const FENCES: [&str; 5] =
 /// Where the order of a loop can become the order of communication.
 const ORDERED: [&str; 4] = ["src/partition", "src/space", "src/interface", "src/assembly"];
 
+/// Rooms with walls: the only other modules that they may use.
+const WALLS: [(&str, &[&str]); 5] = [
+    ("law", &["error"]),
+    ("element", &[]),
+    ("mesh", &["case", "element", "error"]),
+    ("bulk", &["case", "element", "error", "mesh"]),
+    ("assembly", &["bulk", "comm", "element", "error", "interface", "petsc", "simd", "space"]),
+];
+
 /// Directories that exist on one machine only.
 const MACHINE: [&str; 6] = ["/home/", "/root/", "/Users/", "/work/", "/tmp/", "/mnt/"];
 
@@ -132,6 +141,15 @@ fn downward_uses(order: &[&str], source: &Source) -> Vec<String> {
     below.map(|name| format!("{} uses crate::{name}, declared below it", source.path)).collect()
 }
 
+/// Uses of modules that `room` may not use.
+fn uses_beyond(room: &str, allowed: &[&str], source: &Source) -> Vec<String> {
+    let code: Vec<_> = source.code().map(|(_, line)| line).collect();
+    let code = code.join("\n");
+    let names = crate_names(&code).into_iter();
+    let beyond = names.filter(|name| *name != room && !allowed.contains(name));
+    beyond.map(|name| format!("{} uses crate::{name}", source.path)).collect()
+}
+
 /// Lines with one of the words, as `path:line`.
 fn lines_with(source: &Source, forbidden: &[&str]) -> Vec<String> {
     let hit = |line: &str| words(line).any(|word| forbidden.contains(&word));
@@ -165,6 +183,17 @@ fn modules_use_only_modules_declared_above_them() {
     assert!(!order.is_empty(), "no modules found in src/lib.rs");
     let found = sources_in("src").iter().flat_map(|s| downward_uses(&order, s)).collect();
     assert_none(found, "a module may use only those declared above it in lib.rs");
+}
+
+#[test]
+fn laws_and_elements_know_no_solver_and_assembly_no_mesh() {
+    let sources = sources_in("src");
+    for (room, allowed) in WALLS {
+        let inside: Vec<_> = sources.iter().filter(|s| s.module() == Some(room)).collect();
+        assert!(!inside.is_empty(), "no module {room}");
+        let found = inside.into_iter().flat_map(|s| uses_beyond(room, allowed, s)).collect();
+        assert_none(found, "a wall of the house");
+    }
 }
 
 #[test]
@@ -215,6 +244,10 @@ fn the_rules_find_what_they_look_for() {
     assert_eq!(found, ["src/mesh/column.rs uses crate::solve, declared below it"]);
     let upward = "use crate::mesh::Mesh;\nfn f() -> crate::error::Result<()> { my_crate::solve() }";
     assert!(downward_uses(&order, &source("src/solve.rs", upward)).is_empty());
+
+    let law =
+        source("src/law/tied.rs", "use crate::error::Result;\nuse crate::{law, petsc::Snes};");
+    assert_eq!(uses_beyond("law", &["error"], &law), ["src/law/tied.rs uses crate::petsc"]);
 
     let raw = source("src/mesh.rs", "#![deny(unsafe_code)]\n// unsafe\nunsafe { f() }\n");
     assert_eq!(lines_with(&raw, &["unsafe"]), ["src/mesh.rs:3: unsafe { f() }"]);

@@ -6,6 +6,7 @@
 
 mod cells;
 mod films;
+mod node_state;
 mod operator;
 mod pattern;
 mod pores;
@@ -17,11 +18,12 @@ mod whole;
 
 pub use cells::{CellSet, Cells};
 pub use films::{FilmFacet, FilmNode, FilmTangent, Films};
+pub use node_state::NodeState;
 pub use operator::TangentOperator;
 pub use pattern::Pattern;
 pub use pores::{PoreCell, PoreSpace, Tie};
 pub use saddle::{LawDerivative, SaddleTangent};
-pub use tangent::{NodeState, Tangent};
+pub use tangent::Tangent;
 pub use whole::{WholeMatrix, WholeValues};
 
 use crate::interface::JumpRows;

@@ -7,7 +7,8 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use super::Discretization;
-use super::tangent::{NodeState, transform_diagonal};
+use super::NodeState;
+use super::tangent::transform_diagonal;
 use crate::petsc::LinearOperator;
 
 /// The tangent at a state of the interfaces; see [`super::Tangent`] for what it contains.

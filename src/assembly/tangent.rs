@@ -5,87 +5,10 @@
 //! becomes the identity. Prescribed components have identity rows and columns too. Only rows near
 //! an interface depend on the state; they alone are set anew when it changes.
 
-use nalgebra::Matrix3;
-
-use super::{Discretization, Pattern};
+use super::{Discretization, NodeState, Pattern};
 use crate::comm::Comm;
 use crate::error::Result;
 use crate::petsc::Matrix;
-
-/// State of a secondary node as the tangent sees it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NodeState {
-    /// Components whose jump is known.
-    pub stuck: [bool; 3],
-    /// Other components whose unknown is the jump over its own coefficient, not the displacement:
-    /// where the law is stiff beside the bulk, the two displacements of a pair are no good unknowns
-    /// for a smoother.
-    pub jump: [bool; 3],
-    /// Derivative of the traction by the jump on the other components (Pa/m), symmetric.
-    pub tangent: [[f64; 3]; 3],
-}
-
-impl NodeState {
-    /// Adherence in all components.
-    pub const STUCK: Self = Self { stuck: [true; 3], jump: [false; 3], tangent: [[0.0; 3]; 3] };
-    /// Numbers of the packed form.
-    pub const WIDTH: usize = 12;
-
-    /// Whether a preconditioner for this state serves the other one too: the same components are
-    /// stuck, and the tangent differs by less than a part of itself.
-    pub fn is_close_to(&self, other: &Self) -> bool {
-        const PART: f64 = 0.3;
-        let square = |of: &dyn Fn(usize, usize) -> f64| -> f64 {
-            (0..9).map(|i| of(i / 3, i % 3).powi(2)).sum()
-        };
-        let change = square(&|i, j| self.tangent[i][j] - other.tangent[i][j]);
-        self.stuck == other.stuck && change <= PART * PART * square(&|i, j| self.tangent[i][j])
-    }
-
-    /// Whether some jump is answered by less traction the more of it there is.
-    pub fn softens(&self) -> bool {
-        let values = self.law().symmetric_eigenvalues();
-        values.min() < -f64::EPSILON * values.amax()
-    }
-
-    /// The state with the sizes of the tangent's eigenvalues: positive where it softens.
-    pub fn stiffened(&self) -> Self {
-        if !self.softens() {
-            return *self;
-        }
-        let mut eigen = self.law().symmetric_eigen();
-        eigen.eigenvalues.iter_mut().for_each(|value| *value = value.abs());
-        let sizes = eigen.recompose();
-        let tangent = std::array::from_fn(|i| std::array::from_fn(|j| sizes[(i, j)]));
-        Self { tangent, ..*self }
-    }
-
-    fn law(&self) -> Matrix3<f64> {
-        Matrix3::from_fn(|i, j| self.tangent[i][j])
-    }
-
-    /// As numbers, for the exchange between ranks.
-    pub fn pack(&self) -> [f64; Self::WIDTH] {
-        std::array::from_fn(|i| {
-            if i >= 3 {
-                self.tangent[i / 3 - 1][i % 3]
-            } else if self.stuck[i] {
-                1.0
-            } else {
-                2.0 * f64::from(u8::from(self.jump[i]))
-            }
-        })
-    }
-
-    /// Back from the packed form.
-    pub fn unpack(words: &[f64]) -> Self {
-        Self {
-            stuck: std::array::from_fn(|i| words[i] == 1.0),
-            jump: std::array::from_fn(|i| words[i] == 2.0),
-            tangent: std::array::from_fn(|i| std::array::from_fn(|j| words[3 + 3 * i + j])),
-        }
-    }
-}
 
 /// Sets the values of the tangent.
 pub struct Tangent {

@@ -3,8 +3,9 @@
 //! A rank's displacement components come first, then its pressures, as in the vectors of the coupled
 //! problem. The coupling is taken to the unknowns of the condensed form like the stiffness of a cell.
 
+use super::NodeState;
 use super::pattern::{count_blocks, merge_to_owners};
-use super::tangent::{Expansion, NodeState, expand};
+use super::tangent::{Expansion, expand};
 use super::{Discretization, Pattern, PoreCell, PoreSpace};
 use crate::comm::Comm;
 use crate::error::Result;

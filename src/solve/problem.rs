@@ -2,7 +2,7 @@
 //!
 //! The unknowns of SNES are the displacements of all nodes. Residual and tangent belong to the
 //! linear system of the condensed form (docs/theory.md), whose solution becomes a direction in the
-//! displacements by [`Problem::direction`].
+//! displacements by [`NonlinearSystem::direction`](crate::petsc::NonlinearSystem::direction).
 
 mod newton;
 mod predictor;

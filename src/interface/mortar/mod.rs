@@ -7,7 +7,7 @@
 //! $g_i = \sum_k u_k \int\Phi_i N_k - \sum_l u_l \int\Phi_i N_l\circ\chi$.
 //! Everything is computed once (small strains), is pure, and is local: no communication.
 //!
-//! Order of use: [`candidates`] for the pairs, then [`facet_rows`] per secondary facet; sum the
+//! Order of use: [`fn@candidates`] for the pairs, then [`facet_rows`] per secondary facet; sum the
 //! [`Contribution`]s of a node over its facets, and divide by the summed diagonal for P = D^-1 M.
 //! Invariants: the rows reproduce the polynomials of either side's order for any pair of meshes; sum
 //! over primary = sum over secondary = weight; matching facets give a permutation to the last bit.
