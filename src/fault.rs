@@ -3,8 +3,8 @@
 //!
 //! `COLUMN_HPC_FAULT=PHASE:RANK:KIND` or `PHASE:RANK:KIND:COUNT` makes one rank fail where the
 //! program calls [`strike`] or [`strike_values`] with that phase for the `COUNT`-th time (1 by
-//! default), or each time from the `COUNT`-th on (`COUNT+`). The kinds: `error`, `panic`, `kill` (as
-//! by the system when memory runs out), `nan` (one of the values is none), `full` (files of the
+//! default), or each time from the `COUNT`-th on (`COUNT+`). The kinds: `error`, `panic`, `kill`
+//! (as by the system when memory runs out), `nan` (one of the values is none), `full` (files of the
 //! rank can grow no further), `slow` and `late` (it takes 0.4 s or 4 s longer), `wait` (until there
 //! is a file `go` in the working directory, a minute at most), and the signals `usr1`, `usr2`,
 //! `term` and `int`, which the rank sends to itself.

@@ -138,8 +138,9 @@ unsafe extern "C" fn note_library(loaded: *const Loaded, _: usize, data: *mut c_
     0
 }
 
-/// Keeps every library mapped until the process ends. Open MPI unloads its components while a thread of
-/// one of them may still run: of a small case one run in 300 crashed after all its work was done.
+/// Keeps every library mapped until the process ends. Open MPI unloads its components while a
+/// thread of one of them may still run: of a small case one run in 300 crashed after all its work
+/// was done.
 fn keep_libraries() {
     const LAZY_NOT_LOADED_NO_DELETE: c_int = 0x1 | 0x4 | 0x1000;
     let mut names: Vec<CString> = Vec::new();

@@ -27,6 +27,20 @@ const IMAGE_HOME: &str = "/home/column";
 
 const LONGEST_FILE: usize = 400;
 
+const WIDEST: usize = 100;
+
+/// Pages that are written by hand.
+const PROSE: [&str; 8] = [
+    "README.md",
+    "ARCHITECTURE.md",
+    "CONTRIBUTING.md",
+    "CHANGELOG.md",
+    "docs/case.md",
+    "docs/install.md",
+    "docs/studies.md",
+    "docs/theory.md",
+];
+
 /// A text file: its path relative to the package, and its contents.
 struct Source {
     path: String,
@@ -157,6 +171,27 @@ fn lines_with(source: &Source, forbidden: &[&str]) -> Vec<String> {
     lines.map(|(number, line)| format!("{}:{number}: {}", source.path, line.trim())).collect()
 }
 
+fn is_comment(line: &str) -> bool {
+    line.trim_start().starts_with("//")
+}
+
+fn is_prose(line: &str) -> bool {
+    !["|", "![", "    ", "<!--", "["].iter().any(|start| line.starts_with(start))
+}
+
+/// Lines of more than [`WIDEST`] columns of the kind that counts; what is fenced off is code.
+fn wide_lines(source: &Source, counts: fn(&str) -> bool) -> Vec<String> {
+    let mut is_code = false;
+    let mut found = Vec::new();
+    for (i, line) in source.text.lines().enumerate() {
+        is_code ^= line.starts_with("```");
+        if !is_code && counts(line) && line.chars().count() > WIDEST {
+            found.push(format!("{}:{}: {} columns", source.path, i + 1, line.chars().count()));
+        }
+    }
+    found
+}
+
 /// Lines that name a directory of one machine.
 fn machine_paths(source: &Source) -> Vec<String> {
     let mut found = Vec::new();
@@ -207,6 +242,19 @@ fn files_are_short() {
     assert_none(long.collect(), "split by meaning");
 }
 
+/// Comments, and prose outside tables, code and pictures. Pages that scripts write are theirs.
+#[test]
+fn comments_and_prose_are_no_wider_than_a_screen() {
+    let sources = sources_in("src").into_iter().chain(sources_in("tests"));
+    let rust = sources.filter(|s| s.path.ends_with(".rs"));
+    let mut found: Vec<_> = rust.flat_map(|s| wide_lines(&s, is_comment)).collect();
+    for page in PROSE {
+        let text = fs::read_to_string(root().join(page)).expect(page);
+        found.extend(wide_lines(&Source { path: page.into(), text }, is_prose));
+    }
+    assert_none(found, "at most 100 columns");
+}
+
 #[test]
 fn unsafe_stays_inside_the_fences() {
     let sources = sources_in("src").into_iter().chain(sources_in("tests"));
@@ -251,6 +299,9 @@ fn the_rules_find_what_they_look_for() {
 
     let raw = source("src/mesh.rs", "#![deny(unsafe_code)]\n// unsafe\nunsafe { f() }\n");
     assert_eq!(lines_with(&raw, &["unsafe"]), ["src/mesh.rs:3: unsafe { f() }"]);
+
+    let wide = format!("{0}\n```\n{0}\n```\n| {0} |\n", "x".repeat(101));
+    assert_eq!(wide_lines(&source("x.md", &wide), is_prose), ["x.md:1: 101 columns"]);
 
     let paths = "a: /tmp/x\nhttps://example.org/tmp/x\n$root/tmp/x\n/home/column\n\"/home/me\"\n";
     assert_eq!(

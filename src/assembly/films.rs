@@ -1,9 +1,9 @@
 //! The films of fluid in the interfaces of one rank: what they store, how they flow, how they push.
 //!
-//! The opening is the normal jump at the secondary nodes, the pressure that of the lips, linear on the
-//! corners of the secondary facets. What a node stores counts by the weight of its jump row, which is
-//! also what the pressure there pushes on: the two are adjoint, so that the work of the film is
-//! exactly what fills it.
+//! The opening is the normal jump at the secondary nodes, the pressure that of the lips, linear on
+//! the corners of the secondary facets. What a node stores counts by the weight of its jump row,
+//! which is also what the pressure there pushes on: the two are adjoint, so that the work of the
+//! film is exactly what fills it.
 
 use super::Discretization;
 use crate::bulk::FlowStep;
@@ -32,8 +32,8 @@ pub struct FilmFacet {
 /// The films of one rank; empty where fluid flows along no interface.
 #[derive(Debug, Clone, Default)]
 pub struct Films {
-    /// The fluid, of which there is one; on all ranks, also those without a part of a film; none where fluid
-    /// flows along no interface.
+    /// The fluid, of which there is one; on all ranks, also those without a part of a film; none
+    /// where fluid flows along no interface.
     pub fluid: Option<Fluid>,
     /// What like facets have in common.
     pub prototypes: Vec<Film>,
@@ -73,14 +73,14 @@ impl Films {
         node.corners.iter().map(|(corner, part)| part * p[*corner as usize]).sum()
     }
 
-    /// Pressure at the films' nodes (Pa), with their indices into `Discretization::secondary`; `p` is that
-    /// of all local nodes. Local.
+    /// Pressure at the films' nodes (Pa), with their indices into `Discretization::secondary`; `p`
+    /// is that of all local nodes. Local.
     pub fn pressures<'a>(&'a self, p: &'a [f64]) -> impl Iterator<Item = (u32, f64)> {
         self.nodes.iter().map(|node| (node.secondary, Self::at(node, p)))
     }
 
-    /// Adds the forces of pressures `p` of all local nodes (Pa) on the lips at the local displacement
-    /// nodes, not summed (N); above the reference where `absolute`. Local.
+    /// Adds the forces of pressures `p` of all local nodes (Pa) on the lips at the local
+    /// displacement nodes, not summed (N); above the reference where `absolute`. Local.
     pub fn add_forces(&self, all: &Discretization, p: &[f64], absolute: bool, force: &mut [f64]) {
         let Some(fluid) = &self.fluid else { return };
         let (dim, reference) = (all.dim, if absolute { fluid.reference } else { 0.0 });
@@ -95,8 +95,8 @@ impl Films {
         }
     }
 
-    /// Adds the volume that displacements `u` of all local nodes open at the shares of the local pressure
-    /// nodes (m3): the transpose of [`Films::add_forces`]. Local.
+    /// Adds the volume that displacements `u` of all local nodes open at the shares of the local
+    /// pressure nodes (m3): the transpose of [`Films::add_forces`]. Local.
     pub fn add_volumes(&self, all: &Discretization, u: &[f64], volume: &mut [f64]) {
         for node in &self.nodes {
             let opened = Self::weight(all, node.secondary) * Self::opening(all, node.secondary, u);
@@ -106,7 +106,8 @@ impl Films {
         }
     }
 
-    /// Adds what the films hold at every local pressure node, and the magnitudes to `sizes` (m3). Local.
+    /// Adds what the films hold at every local pressure node, and the magnitudes to `sizes` (m3).
+    /// Local.
     pub fn add_stored(
         &self,
         all: &Discretization,
@@ -146,8 +147,8 @@ impl Films {
         }
     }
 
-    /// Adds what flows off every local pressure node along the interfaces in the time `length`, and the
-    /// magnitudes to `sizes` (m3). Local.
+    /// Adds what flows off every local pressure node along the interfaces in the time `length`, and
+    /// the magnitudes to `sizes` (m3). Local.
     pub fn add_flow(
         &self,
         all: &Discretization,
@@ -169,8 +170,8 @@ impl Films {
         });
     }
 
-    /// The derivatives of the balance at the end of a step, but for those by the openings of what is
-    /// stored, which [`Films::add_volumes`] has. Local.
+    /// The derivatives of the balance at the end of a step, but for those by the openings of what
+    /// is stored, which [`Films::add_volumes`] has. Local.
     pub fn linearise(
         &self,
         all: &Discretization,
@@ -194,8 +195,8 @@ impl Films {
 }
 
 impl FilmTangent {
-    /// Adds the products with changes of displacements and pressures, both of all local nodes, at all local
-    /// pressure nodes (m3). Local.
+    /// Adds the products with changes of displacements and pressures, both of all local nodes, at
+    /// all local pressure nodes (m3). Local.
     pub fn add_product(
         &self,
         films: &Films,
@@ -220,8 +221,8 @@ impl FilmTangent {
         }
     }
 
-    /// The part by the pressures as blocks over local pressure nodes (m3/Pa); `yielding` adds to what is
-    /// stored at an entry of `Discretization::secondary`. Local.
+    /// The part by the pressures as blocks over local pressure nodes (m3/Pa); `yielding` adds to
+    /// what is stored at an entry of `Discretization::secondary`. Local.
     pub fn blocks(
         &self,
         films: &Films,

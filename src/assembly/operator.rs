@@ -120,8 +120,8 @@ impl TangentOperator {
     }
 
     /// The transpose of [`TangentOperator::expand`]: local forces to those on owned unknowns, zero
-    /// at identity rows. `on_jumps` acts on what [`TangentOperator::to_jumps`] gives; none counts as
-    /// zero. Collective.
+    /// at identity rows. `on_jumps` acts on what [`TangentOperator::to_jumps`] gives; none counts
+    /// as zero. Collective.
     pub fn fold(&self, force: &mut [f64], on_jumps: Option<&[f64]>) {
         let (owned, ghosts) = force.split_at_mut(self.all.nodes.owned * self.all.dim);
         self.fold_apart(Apart { owned, ghosts }, on_jumps);
@@ -197,8 +197,9 @@ impl TangentOperator {
         }
     }
 
-    /// Volume by which the normal jump at an entry of `Discretization::secondary` yields to a pressure on
-    /// both lips there (m3/Pa), as far as its own cells and its law are concerned; 0 where it is known. Local.
+    /// Volume by which the normal jump at an entry of `Discretization::secondary` yields to a
+    /// pressure on both lips there (m3/Pa), as far as its own cells and its law are concerned; 0
+    /// where it is known. Local.
     pub fn opening_compliance(&self, index: u32) -> f64 {
         let (rows, state) = (&self.all.secondary[index as usize], self.state.borrow());
         let (normal, state) = (self.all.dim - 1, &state[index as usize]);
@@ -211,8 +212,8 @@ impl TangentOperator {
         row.weight * row.weight / (cells + law).max(0.1 * cells)
     }
 
-    /// How strongly the law couples the unknowns of a pair of nodes, at most: the entry between them
-    /// over the root of the product of their diagonals, for equal stiffness on both sides. The
+    /// How strongly the law couples the unknowns of a pair of nodes, at most: the entry between
+    /// them over the root of the product of their diagonals, for equal stiffness on both sides. The
     /// largest eigenvalue over the diagonal grows by no more than that. Local.
     pub fn strongest_pair(&self) -> f64 {
         let dim = self.all.dim;
@@ -262,8 +263,8 @@ impl TangentOperator {
 }
 
 impl TangentOperator {
-    /// The product with owned unknowns and what `beside` adds: it sees the displacements of all local
-    /// nodes and adds forces at them, not summed. Collective.
+    /// The product with owned unknowns and what `beside` adds: it sees the displacements of all
+    /// local nodes and adds forces at them, not summed. Collective.
     pub fn multiply_beside(
         &self,
         x: &[f64],

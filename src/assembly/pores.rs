@@ -1,7 +1,7 @@
 //! The pore pressure of one rank: its nodes, its cells, and their sums.
 //!
-//! The pressure is linear in every porous cell, whatever the order of the displacement; its nodes are
-//! those of the column with cells of first order. Owned nodes come first, as everywhere.
+//! The pressure is linear in every porous cell, whatever the order of the displacement; its nodes
+//! are those of the column with cells of first order. Owned nodes come first, as everywhere.
 
 mod matrix;
 
@@ -35,9 +35,9 @@ pub struct Tie {
 
 /// The discretisation of the pore pressure.
 ///
-/// Where fluid flows along an interface its lips have one pressure: that of the secondary one follows
-/// from the primary one by the dual mortar rows of the pressure, and the fluxes into either side,
-/// which are the multipliers of that tie, cancel in the sum of the rows.
+/// Where fluid flows along an interface its lips have one pressure: that of the secondary one
+/// follows from the primary one by the dual mortar rows of the pressure, and the fluxes into either
+/// side, which are the multipliers of that tie, cancel in the sum of the rows.
 pub struct PoreSpace {
     /// Displacement components per node.
     pub dim: usize,
@@ -114,8 +114,8 @@ impl PoreSpace {
         of
     }
 
-    /// Adds the forces of the pressures `p` of all local nodes (Pa) on the local displacement nodes (N),
-    /// in the pores and on the lips; above the references where `absolute`. Local.
+    /// Adds the forces of the pressures `p` of all local nodes (Pa) on the local displacement nodes
+    /// (N), in the pores and on the lips; above the references where `absolute`. Local.
     pub fn add_forces(&self, all: &Discretization, p: &[f64], absolute: bool, force: &mut [f64]) {
         self.films.add_forces(all, p, absolute, force);
         widest(CellForces { pores: self, all, p, absolute, force });
@@ -143,8 +143,8 @@ impl PoreSpace {
         }
     }
 
-    /// The largest sum of the magnitudes of what displacements of 1 m add to the balance at a node of this
-    /// rank's cells (m3/m). Local.
+    /// The largest sum of the magnitudes of what displacements of 1 m add to the balance at a node
+    /// of this rank's cells (m3/m). Local.
     pub fn largest_coupling(&self) -> f64 {
         let corners = self.corners();
         let at = |cell: &PorousCell, corner: usize| {
@@ -155,8 +155,9 @@ impl PoreSpace {
         corners as f64 * self.prototypes.iter().flat_map(all).fold(0.0, f64::max)
     }
 
-    /// Adds b times the volume that displacements make in cells, and the volume that opens between lips, at
-    /// the shares of the local pressure nodes (m3): the transpose of [`PoreSpace::add_forces`]. Local.
+    /// Adds b times the volume that displacements make in cells, and the volume that opens between
+    /// lips, at the shares of the local pressure nodes (m3): the transpose of
+    /// [`PoreSpace::add_forces`]. Local.
     pub fn add_volumes(&self, all: &Discretization, u: &[f64], volume: &mut [f64]) {
         self.films.add_volumes(all, u, volume);
         widest(CellVolumes { pores: self, all, u, volume });
@@ -183,8 +184,8 @@ impl PoreSpace {
         cell.nodes[..self.corners()].iter().any(|n| !self.prescribed[*n as usize])
     }
 
-    /// Adds the balance of the fluid at the end of a step at the local nodes, and the magnitudes of its
-    /// parts (m3), in cells where a pressure is to be found or in `every` cell; see
+    /// Adds the balance of the fluid at the end of a step at the local nodes, and the magnitudes of
+    /// its parts (m3), in cells where a pressure is to be found or in `every` cell; see
     /// [`PorousCell::add_balance`]. Local.
     pub fn add_balance(
         &self,
@@ -202,7 +203,8 @@ impl PoreSpace {
         });
     }
 
-    /// Adds the change of the stored fluid since the undeformed state at every local node (m3). Local.
+    /// Adds the change of the stored fluid since the undeformed state at every local node (m3).
+    /// Local.
     pub fn add_stored(
         &self,
         all: &Discretization,
@@ -250,8 +252,8 @@ impl PoreSpace {
         }
     }
 
-    /// Flux (kg/m2/s by component), pressure above the reference (Pa) and porosity at the centre of a
-    /// cell; `u` and `p` are those of all local nodes. Local.
+    /// Flux (kg/m2/s by component), pressure above the reference (Pa) and porosity at the centre of
+    /// a cell; `u` and `p` are those of all local nodes. Local.
     pub fn at_centre(
         &self,
         all: &Discretization,
@@ -266,8 +268,8 @@ impl PoreSpace {
         like.at_centre(&of_cell, &p, gravity)
     }
 
-    /// Pressures of all local nodes at every owned displacement node of porous cells (Pa), linear between
-    /// the corners of a cell; 0 at others. Collective.
+    /// Pressures of all local nodes at every owned displacement node of porous cells (Pa), linear
+    /// between the corners of a cell; 0 at others. Collective.
     pub fn at_nodes(&self, all: &Discretization, pressure: &[f64]) -> Vec<f64> {
         // Value and number of ranks that know it.
         let mut at = vec![[0.0; 2]; all.nodes.len()];
@@ -296,16 +298,16 @@ impl PoreSpace {
         self.follow(p);
     }
 
-    /// Gives tied nodes the pressure that follows from those of the others. Local: `p` is that of all
-    /// local nodes.
+    /// Gives tied nodes the pressure that follows from those of the others. Local: `p` is that of
+    /// all local nodes.
     pub fn follow(&self, p: &mut [f64]) {
         for tie in &self.ties {
             p[tie.node as usize] = tie.follows.iter().map(|(n, a)| a * p[*n as usize]).sum();
         }
     }
 
-    /// The transpose of [`PoreSpace::expand`]: sums of all local nodes to those of the owned unknowns,
-    /// zero at identity rows. Collective.
+    /// The transpose of [`PoreSpace::expand`]: sums of all local nodes to those of the owned
+    /// unknowns, zero at identity rows. Collective.
     pub fn fold(&self, rows: &mut [f64]) {
         self.sum(rows);
         self.for_identity_rows(|node| rows[node] = 0.0);
@@ -352,8 +354,8 @@ impl PoreSpace {
         comm.any(known < self.nodes.owned)
     }
 
-    /// Adds the product of the matrices that [`PoreSpace::assemble`] would add, `like` by prototype,
-    /// with expanded pressures, at all local nodes. Local.
+    /// Adds the product of the matrices that [`PoreSpace::assemble`] would add, `like` by
+    /// prototype, with expanded pressures, at all local nodes. Local.
     pub fn add_product(&self, like: &[Vec<f64>], p: &[f64], rows: &mut [f64]) {
         let np = self.corners();
         for cell in self.cells.iter().filter(|cell| self.is_free(cell)) {

@@ -63,10 +63,10 @@ impl SecondOrderSweep {
         batch.clear();
     }
 
-    /// Adds the forces K u of the cells to `force` (N), both `dim` numbers per local node, the forces
-    /// in two parts: those of the first nodes, then those of the others. `stiffness` gives the split
-    /// form of a prototype. `magnitude` gets the sum of the lengths of the cells' nodal forces, one
-    /// per local node. Local.
+    /// Adds the forces K u of the cells to `force` (N), both `dim` numbers per local node, the
+    /// forces in two parts: those of the first nodes, then those of the others. `stiffness` gives
+    /// the split form of a prototype. `magnitude` gets the sum of the lengths of the cells' nodal
+    /// forces, one per local node. Local.
     pub fn add_forces<'a>(
         &self,
         stiffness: impl Fn(u16) -> &'a Parity,

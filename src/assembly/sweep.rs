@@ -98,10 +98,10 @@ impl Sweep {
         self.batches.push(Batch { prototype, slots: slots as u16, first, gaps });
     }
 
-    /// Adds the forces K u of the cells to `force` (N), both `dim` numbers per local node, the forces in
-    /// two parts: those of the first nodes, then those of the others. `stiffness` gives the modal
-    /// form of a prototype. `magnitude` gets the sum of the lengths of the cells' nodal forces, one
-    /// per local node. Local.
+    /// Adds the forces K u of the cells to `force` (N), both `dim` numbers per local node, the
+    /// forces in two parts: those of the first nodes, then those of the others. `stiffness` gives
+    /// the modal form of a prototype. `magnitude` gets the sum of the lengths of the cells' nodal
+    /// forces, one per local node. Local.
     pub fn add_forces<'a>(
         &self,
         stiffness: impl Fn(u16) -> &'a Modal,

@@ -238,8 +238,8 @@ fn transform(
 }
 
 /// Adds to `diagonal`, at all local nodes, what the tangent's has beyond that of the cells'
-/// stiffness; entries of ghosts are to be added to the owners afterwards, those of identity rows mean nothing.
-/// `state` gives the state of every entry of `all.secondary`. Local.
+/// stiffness; entries of ghosts are to be added to the owners afterwards, those of identity rows
+/// mean nothing. `state` gives the state of every entry of `all.secondary`. Local.
 pub(super) fn transform_diagonal(all: &Discretization, state: &[NodeState], diagonal: &mut [f64]) {
     let dim = all.dim;
     let mut coupled = Vec::new();
@@ -284,8 +284,8 @@ pub(super) fn transform_diagonal(all: &Discretization, state: &[NodeState], diag
 
 /// Adds the law's tangent at an owned secondary node: sum of weight a_k C a_l over its rows, and
 /// explicit zeros where the state may put a value later. Beside prescribed components the weights
-/// of a node's components differ; their geometric mean keeps the matrix symmetric. What it leaves out
-/// is added to the corrections.
+/// of a node's components differ; their geometric mean keeps the matrix symmetric. What it leaves
+/// out is added to the corrections.
 fn add_law(
     all: &Discretization,
     rows: &crate::interface::JumpRows<u32>,

@@ -1,7 +1,8 @@
 //! The tangent of displacement and pore pressure as one matrix, for elimination.
 //!
-//! A rank's displacement components come first, then its pressures, as in the vectors of the coupled
-//! problem. The coupling is taken to the unknowns of the condensed form like the stiffness of a cell.
+//! A rank's displacement components come first, then its pressures, as in the vectors of the
+//! coupled problem. The coupling is taken to the unknowns of the condensed form like the stiffness
+//! of a cell.
 
 use super::NodeState;
 use super::pattern::{count_blocks, merge_to_owners};
@@ -61,7 +62,8 @@ impl WholeMatrix {
         (0..dim as i32).map(move |c| first + c)
     }
 
-    /// Number of a local pressure node; -1, which PETSc passes over, where the pressure is prescribed.
+    /// Number of a local pressure node; -1, which PETSc passes over, where the pressure is
+    /// prescribed.
     fn pressure(&self, pores: &PoreSpace, node: u32) -> i32 {
         if pores.prescribed[node as usize] { -1 } else { self.pressure[node as usize] }
     }

@@ -52,8 +52,8 @@ impl Stiffness {
     /// its projection on the polynomials of one degree less than the order, so that nearly
     /// incompressible material does not lock (T. Hughes, Int. J. Numer. Methods Engrg. 15, 1980).
     pub fn new(prototype: &Prototype, elastic: Elastic, dim: usize, b_bar: bool) -> Self {
-        // Of sigma = lambda tr(eps) 1 + 2 mu eps the share of the first term that acts on the strain
-        // at a point, and that acts on its projection.
+        // Of sigma = lambda tr(eps) 1 + 2 mu eps the share of the first term that acts on the
+        // strain at a point, and that acts on its projection.
         let third = 2.0 / 3.0 * elastic.mu;
         let (at_points, on_projection) =
             if b_bar { (-third, elastic.lambda + third) } else { (elastic.lambda, 0.0) };

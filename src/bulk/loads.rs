@@ -86,8 +86,8 @@ impl Loads {
         loads
     }
 
-    /// The mass fluxes of the fluid into the porous cells at the surfaces, as component 0 (kg/s at nodes). `mesh` is the
-    /// one of the pressure. Local.
+    /// The mass fluxes of the fluid into the porous cells at the surfaces, as component 0 (kg/s at
+    /// nodes). `mesh` is the one of the pressure. Local.
     pub fn inflow(case: &Case, mesh: &LocalMesh) -> Self {
         let mut loads = Self { dim: 1, ..Self::default() };
         for (number, entry) in case.boundary.iter().enumerate() {
@@ -107,8 +107,8 @@ impl Loads {
         loads
     }
 
-    /// The mass that is injected into interfaces, as component 0 (kg/s at nodes of the lower lip). `mesh` is
-    /// the one of the pressure. Local.
+    /// The mass that is injected into interfaces, as component 0 (kg/s at nodes of the lower lip).
+    /// `mesh` is the one of the pressure. Local.
     pub fn injection(case: &Case, mesh: &LocalMesh) -> Self {
         let mut loads = Self { dim: 1, ..Self::default() };
         for (index, interface) in case.interfaces.iter().enumerate() {

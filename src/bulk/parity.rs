@@ -22,8 +22,8 @@ pub struct Block {
     pub matrix: Vec<f64>,
 }
 
-/// K by parity. A mode is a number in base 3 whose digit of an axis says: 0 sum of the outer values,
-/// 1 middle value, 2 difference of the outer ones; the first axis is the lowest digit.
+/// K by parity. A mode is a number in base 3 whose digit of an axis says: 0 sum of the outer
+/// values, 1 middle value, 2 difference of the outer ones; the first axis is the lowest digit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parity {
     /// The blocks.
@@ -31,8 +31,8 @@ pub struct Parity {
 }
 
 impl Parity {
-    /// From the dense matrix (rows over nodes, then components) of a box; none if it does not split:
-    /// not a box, or not an isotropic material.
+    /// From the dense matrix (rows over nodes, then components) of a box; none if it does not
+    /// split: not a box, or not an isotropic material.
     pub fn new(matrix: &[f64], shape: Shape) -> Option<Self> {
         let (dim, n) = (shape.dim(), shape.nodes());
         let split = split(matrix, shape);

@@ -1,14 +1,14 @@
 //! Saturated porous media: the fluid that a volume stores.
 //!
-//! Pressures are those above the reference pressure of the material, at which the undeformed skeleton
-//! carries nothing. Masses are divided by the reference density of the fluid: volumes in m3 (2D: per
-//! metre of thickness).
+//! Pressures are those above the reference pressure of the material, at which the undeformed
+//! skeleton carries nothing. Masses are divided by the reference density of the fluid: volumes in
+//! m3 (2D: per metre of thickness).
 
 use super::Elastic;
 use crate::case::{Material, Porous};
 
-/// exp(x) - 1, which beyond x = 1 goes on along its tangent: no fluid is pressed to its bulk modulus, but an
-/// iterate of Newton's method may be, and has to stay finite.
+/// exp(x) - 1, which beyond x = 1 goes on along its tangent: no fluid is pressed to its bulk
+/// modulus, but an iterate of Newton's method may be, and has to stay finite.
 pub fn exp_m1_on_its_tangent(x: f64) -> f64 {
     if x > 1.0 { std::f64::consts::E * x - 1.0 } else { x.exp_m1() }
 }
@@ -68,8 +68,9 @@ impl PorousMedium {
         1.0 + exp_m1_on_its_tangent(pressure * self.fluid)
     }
 
-    /// The fluid in a volume that was 1 when undeformed, beyond what it held then, over the reference
-    /// density: the change of rho phi (1 + eps) at volumetric strain and pressure, without cancellation.
+    /// The fluid in a volume that was 1 when undeformed, beyond what it held then, over the
+    /// reference density: the change of rho phi (1 + eps) at volumetric strain and pressure,
+    /// without cancellation.
     pub fn content(&self, strain: f64, pressure: f64) -> f64 {
         let denser = exp_m1_on_its_tangent(pressure * self.fluid);
         let wider = self.widening(strain, pressure);
@@ -82,8 +83,8 @@ impl PorousMedium {
         self.porosity * self.fluid + (self.biot - self.porosity) * self.grains
     }
 
-    /// What the skeleton yields to a pressure (1/Pa): b^2 over the geometric mean of the drained bulk
-    /// modulus, for motions that are free, and the oedometric one, for motions that are not.
+    /// What the skeleton yields to a pressure (1/Pa): b^2 over the geometric mean of the drained
+    /// bulk modulus, for motions that are free, and the oedometric one, for motions that are not.
     pub fn yielding(&self) -> f64 {
         self.biot * self.biot / (self.drained * self.oedometric).sqrt()
     }

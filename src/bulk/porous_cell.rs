@@ -9,9 +9,9 @@ use crate::mesh::{Prototype, axes};
 /// Corners of the largest cell.
 pub const MAX_CORNERS: usize = 8;
 
-/// Part of the flow that the pressure of each corner alone would drive which counts among the magnitudes.
-/// Where nothing flows it cancels up to rounding, which in a long step is more than all that is stored; this
-/// part is so small that it counts nowhere else.
+/// Part of the flow that the pressure of each corner alone would drive which counts among the
+/// magnitudes. Where nothing flows it cancels up to rounding, which in a long step is more than all
+/// that is stored; this part is so small that it counts nowhere else.
 pub const CANCELLED: f64 = 1e-3;
 
 /// How a step of time is taken.
@@ -182,9 +182,9 @@ impl PorousCell {
         self.order == 1
     }
 
-    /// The shortest steps (s) in which the pressure of the cell does not oscillate along its shortest edge
-    /// and along any, without being held back: h^2/(6 theta c_v) (Vermeer, Verruijt, Int. J. Numer. Anal.
-    /// Methods Geomech. 5, 1981).
+    /// The shortest steps (s) in which the pressure of the cell does not oscillate along its
+    /// shortest edge and along any, without being held back: h^2/(6 theta c_v) (Vermeer, Verruijt,
+    /// Int. J. Numer. Anal. Methods Geomech. 5, 1981).
     pub fn shortest_steps(&self, theta: f64) -> [f64; 2] {
         let edges = &self.size[..self.dim];
         let shortest = edges.iter().fold(f64::INFINITY, |m, h| m.min(*h));
@@ -192,10 +192,10 @@ impl PorousCell {
         [shortest, longest].map(|h| h * h / (6.0 * theta * self.medium.consolidation()))
     }
 
-    /// Adds to `rows` what is stored at the end of a step at each node's share, and what flows off in the
-    /// weighted part of it; `sizes` gets the sum of the magnitudes, and of what the skeleton yields to the
-    /// pressure, which does not vanish where nothing flows (m3). `u` and `p` are those of the end,
-    /// `before` the pressures of the start.
+    /// Adds to `rows` what is stored at the end of a step at each node's share, and what flows off
+    /// in the weighted part of it; `sizes` gets the sum of the magnitudes, and of what the skeleton
+    /// yields to the pressure, which does not vanish where nothing flows (m3). `u` and `p` are
+    /// those of the end, `before` the pressures of the start.
     pub fn add_balance(
         &self,
         (u, p, before): (&[f64], &[f64], &[f64]),
@@ -260,8 +260,8 @@ impl PorousCell {
         }
     }
 
-    /// Adds what flows off in the time `length` at the pressures `p` (m3): Darcy's law with the density
-    /// of the fluid.
+    /// Adds what flows off in the time `length` at the pressures `p` (m3): Darcy's law with the
+    /// density of the fluid.
     pub fn add_flow(
         &self,
         p: &[f64],
@@ -306,9 +306,9 @@ impl PorousCell {
         })
     }
 
-    /// Derivative of the rows of [`PorousCell::add_balance`] by the pressures, linearised at rest, row
-    /// by row (m3/Pa): storage, flow, and what is held back. It is symmetric and the same for every
-    /// state; what it leaves out is of the order of the strain and of p/K_w.
+    /// Derivative of the rows of [`PorousCell::add_balance`] by the pressures, linearised at rest,
+    /// row by row (m3/Pa): storage, flow, and what is held back. It is symmetric and the same for
+    /// every state; what it leaves out is of the order of the strain and of p/K_w.
     pub fn compressibility(&self, step: &FlowStep) -> Vec<f64> {
         let np = self.corners();
         let held = self.held_back(step);
@@ -327,8 +327,9 @@ impl PorousCell {
         matrix
     }
 
-    /// What the skeleton yields to a pressure, times the integral of N N (m3/Pa): about the part of the
-    /// Schur complement that the displacements make (J. White, R. Borja, Comput. Geosci. 15, 2011).
+    /// What the skeleton yields to a pressure, times the integral of N N (m3/Pa): about the part of
+    /// the Schur complement that the displacements make (J. White, R. Borja, Comput. Geosci. 15,
+    /// 2011).
     pub fn yielding(&self) -> Vec<f64> {
         let factor = self.medium.yielding();
         self.mass.iter().map(|m| factor * m).collect()

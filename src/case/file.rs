@@ -55,7 +55,8 @@ pub(super) struct CaseFile {
     /// How it is solved.
     #[serde(default)]
     pub solver: SolverSpec,
-    /// Whether a smaller model may take the place of the one asked for where it is shown to give the same.
+    /// Whether a smaller model may take the place of the one asked for where it is shown to give
+    /// the same.
     #[serde(default)]
     pub reduce: Reduce,
     /// What is written.
@@ -261,8 +262,8 @@ pub(super) struct TimeSection {
     /// Weight of the end of each step of the flow, 0.5 to 1; default: 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub theta: Option<f64>,
-    /// Error of the pore pressure that one step may make, over the largest pressure so far: steps are as
-    /// long as that allows. Default: one step per instant.
+    /// Error of the pore pressure that one step may make, over the largest pressure so far: steps
+    /// are as long as that allows. Default: one step per instant.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     pub tolerance: Option<f64>,

@@ -14,7 +14,8 @@ use crate::error::number_text;
 pub struct FlowSpec {
     /// Weight of the end of a step, 0.5 to 1.
     pub theta: f64,
-    /// Error of the pressure that a step may make, over the largest so far; none: one step per instant.
+    /// Error of the pressure that a step may make, over the largest so far; none: one step per
+    /// instant.
     pub tolerance: Option<f64>,
     /// Pore pressure at the start (Pa).
     pub initial: Value,
@@ -30,8 +31,8 @@ struct Given<'a> {
     initial: Option<Value>,
     /// Whether the pressure of every node is prescribed.
     known: bool,
-    /// Path of the first pressure that acts on the skeleton: the prescribed one, or the reference where
-    /// another one is prescribed.
+    /// Path of the first pressure that acts on the skeleton: the prescribed one, or the reference
+    /// where another one is prescribed.
     acts: Option<String>,
     /// Path of the first entry whose only result is a flow.
     flows: Option<String>,

@@ -18,8 +18,8 @@ pub(super) struct InitialSection {
     /// Pore pressure in Pa.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Quantity>,
-    /// Whether the displacements at the start are those in equilibrium with the initial pressures, the
-    /// loads and the prescribed displacements, instead of 0.
+    /// Whether the displacements at the start are those in equilibrium with the initial pressures,
+    /// the loads and the prescribed displacements, instead of 0.
     #[serde(default)]
     pub equilibrium: bool,
     /// What makes a perfect structure imperfect, so that one of its branches is selected.

@@ -30,8 +30,8 @@ pub(super) struct CheckpointSection {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LimitsSection {
-    /// Wall-clock time, as HH:MM:SS or as a number with s, min or h: a checkpoint is written and the
-    /// run stops before it is over.
+    /// Wall-clock time, as HH:MM:SS or as a number with s, min or h: a checkpoint is written and
+    /// the run stops before it is over.
     pub wall: String,
 }
 

@@ -27,8 +27,8 @@ pub enum Formulation {
     Auto,
     /// Full integration, which locks when the material is nearly incompressible
     Full,
-    /// The volumetric strain projected on polynomials of one degree less than the order of the cell:
-    /// its mean where that is 1
+    /// The volumetric strain projected on polynomials of one degree less than the order of the
+    /// cell: its mean where that is 1
     BBar,
 }
 

@@ -174,7 +174,8 @@ impl Case {
         self.flow.is_some() || self.pressure_is_load
     }
 
-    /// Whether the cells of a material have the mean of the volumetric strain in place of its values.
+    /// Whether the cells of a material have the mean of the volumetric strain in place of its
+    /// values.
     pub fn has_mean_dilatation(&self, material: &Material) -> bool {
         match self.mesh.formulation {
             Formulation::Auto => material.poisson_ratio > NEARLY_INCOMPRESSIBLE,

@@ -55,23 +55,23 @@ pub enum Linear {
     Multigrid,
 }
 
-/// What is done about states that are not stable: where the tangent of a softening state has a negative
-/// eigenvalue.
+/// What is done about states that are not stable: where the tangent of a softening state has a
+/// negative eigenvalue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Stability {
-    /// States are tested where the linear solver meets an indefinite tangent, and reported; a smaller
-    /// step is tried where that may lead elsewhere
+    /// States are tested where the linear solver meets an indefinite tangent, and reported; a
+    /// smaller step is tried where that may lead elsewhere
     Auto,
     /// Nothing is tested
     Off,
     /// All states that soften are tested and reported
     Warn,
-    /// All states that soften are tested; from one that is not stable the solution goes on along the
-    /// unstable mode to one that is
+    /// All states that soften are tested; from one that is not stable the solution goes on along
+    /// the unstable mode to one that is
     Follow,
-    /// All states that soften are tested; a smaller step is tried, and where that is unstable too, the
-    /// run ends
+    /// All states that soften are tested; a smaller step is tried, and where that is unstable too,
+    /// the run ends
     Stop,
 }
 
@@ -89,7 +89,8 @@ pub enum Form {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Reduce {
-    /// Where its error is bounded by solver.tolerance and nothing that it leaves out can become unstable
+    /// Where its error is bounded by solver.tolerance and nothing that it leaves out can become
+    /// unstable
     #[default]
     Auto,
     /// The model asked for is solved

@@ -34,8 +34,9 @@ pub(super) fn holds(interfaces: &[InterfaceSpec]) -> Vec<bool> {
 
 /// The rigid motions that nothing prevents, one sentence for each group of bodies.
 ///
-/// Bodies joined by an interface that `holds` move together. A motion is free when no prescribed component of the group sees it, which is the null
-/// space of the constraint rows taken at the corners of the surfaces that the group touches.
+/// Bodies joined by an interface that `holds` move together. A motion is free when no prescribed
+/// component of the group sees it, which is the null space of the constraint rows taken at the
+/// corners of the surfaces that the group touches.
 pub(super) fn free_motions(
     mesh: &MeshSpec,
     interfaces: &[InterfaceSpec],

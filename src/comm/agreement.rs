@@ -1,9 +1,10 @@
 //! Errors that all ranks share, and the end of the job where they cannot be shared.
 //!
-//! Ranks agree on an error between local work and the next collective call. An error in the middle of a
-//! collective call of a library may be seen by one rank alone, while the others wait in the library: it is
-//! put down as a doubt ([`doubt`]). A rank in doubt waits for the others for a few seconds only; when they do not
-//! come, or come without a doubt of their own, the job is ended with one message.
+//! Ranks agree on an error between local work and the next collective call. An error in the middle
+//! of a collective call of a library may be seen by one rank alone, while the others wait in the
+//! library: it is put down as a doubt ([`doubt`]). A rank in doubt waits for the others for a few
+//! seconds only; when they do not come, or come without a doubt of their own, the job is ended with
+//! one message.
 
 use super::Comm;
 use crate::error::{Error, Result};
@@ -72,8 +73,8 @@ fn abort_in_doubt(text: &str) -> ! {
 impl Comm {
     /// Makes a failure on some ranks a failure on all. Collective.
     ///
-    /// To be called between local work that can fail and the next collective call. Where some ranks alone are in
-    /// [`doubt`], or the others do not come to one that is, the job ends here.
+    /// To be called between local work that can fail and the next collective call. Where some ranks
+    /// alone are in [`doubt`], or the others do not come to one that is, the job ends here.
     ///
     /// # Errors
     /// Kind and text of the lowest rank that failed, on every rank; on more than one rank the text
@@ -122,7 +123,8 @@ impl Comm {
         Err(decode(&self.broadcast_from(first, message)))
     }
 
-    /// The minima over the ranks. A rank in doubt ends the job when the others do not come. Collective.
+    /// The minima over the ranks. A rank in doubt ends the job when the others do not come.
+    /// Collective.
     fn least_within(&self, mine: [Rank; 3], doubt: Option<&str>) -> [Rank; 3] {
         let mut least = [0; 3];
         request::scope(|scope| {

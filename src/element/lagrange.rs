@@ -102,8 +102,8 @@ impl Shape {
     /// normal points outwards.
     ///
     /// Hexahedra: the right-hand rule over the corners gives the outward normal; order: bottom,
-    /// top, front (second coordinate -1), right, back, left. Quadrilaterals: an edge from a to b has
-    /// the outward normal (b - a) turned clockwise. Lines: the two ends.
+    /// top, front (second coordinate -1), right, back, left. Quadrilaterals: an edge from a to b
+    /// has the outward normal (b - a) turned clockwise. Lines: the two ends.
     pub fn facets(self) -> &'static [&'static [usize]] {
         match self {
             Shape::Line2 | Shape::Line3 => &[&[0], &[1]],

@@ -1,8 +1,9 @@
 //! The film of fluid between the lips of an interface: how it flows along a facet.
 //!
-//! Lubrication theory with the cubic law: the mass that passes a line in the film per second and metre
-//! is rho w^3/(12 mu) times the slope of the pressure (P. Witherspoon et al., Water Resour. Res. 16,
-//! 1980). Pressures are those above the reference; masses are divided by the density of the fluid there.
+//! Lubrication theory with the cubic law: the mass that passes a line in the film per second and
+//! metre is rho w^3/(12 mu) times the slope of the pressure (P. Witherspoon et al., Water Resour.
+//! Res. 16, 1980). Pressures are those above the reference; masses are divided by the density of
+//! the fluid there.
 
 use crate::bulk::{CANCELLED, exp_m1_on_its_tangent};
 use crate::element::{Shape, gauss};
@@ -98,8 +99,8 @@ impl Film {
         self.shape.corners().nodes()
     }
 
-    /// Calls `act` with each point, the opening there, the density ratio, and slope of the pressure less
-    /// the weight of the fluid (Pa/m).
+    /// Calls `act` with each point, the opening there, the density ratio, and slope of the pressure
+    /// less the weight of the fluid (Pa/m).
     fn each(
         &self,
         fluid: &Fluid,
@@ -118,8 +119,8 @@ impl Film {
         }
     }
 
-    /// Adds to `rows` what flows off each corner in the time `length`, and the magnitudes to `sizes`, with
-    /// [`CANCELLED`] (m3; 2D: m2).
+    /// Adds to `rows` what flows off each corner in the time `length`, and the magnitudes to
+    /// `sizes`, with [`CANCELLED`] (m3; 2D: m2).
     pub fn add_flow(
         &self,
         fluid: &Fluid,
@@ -141,8 +142,8 @@ impl Film {
         });
     }
 
-    /// Derivatives of what [`Film::add_flow`] adds: by the pressures at constant density, corner by corner
-    /// (m3/Pa), and by the openings, corner by node (m2).
+    /// Derivatives of what [`Film::add_flow`] adds: by the pressures at constant density, corner by
+    /// corner (m3/Pa), and by the openings, corner by node (m2).
     pub fn derivatives(&self, fluid: &Fluid, state: FilmState<'_>, length: f64) -> [Vec<f64>; 2] {
         let (corners, nodes) = (self.corners(), self.nodes());
         let (mut by_pressure, mut by_opening) =

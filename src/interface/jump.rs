@@ -103,8 +103,8 @@ pub(super) struct Term {
     value: f64,
 }
 
-/// The rows of all secondary nodes that this rank's cells touch, by rising name, of a field with so many
-/// components; `fixed` tells which of them carry no multiplier at a node.
+/// The rows of all secondary nodes that this rank's cells touch, by rising name, of a field with so
+/// many components; `fixed` tells which of them carry no multiplier at a node.
 ///
 /// Collective: each rank integrates the facets of its own cells.
 ///

@@ -1,5 +1,5 @@
-//! Interfaces: which side carries the multipliers, the jump as rows over nodal values, and the film of
-//! fluid between the lips.
+//! Interfaces: which side carries the multipliers, the jump as rows over nodal values, and the film
+//! of fluid between the lips.
 
 mod cohesive_zone;
 mod film;

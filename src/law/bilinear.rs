@@ -10,8 +10,9 @@ use crate::error::number_text;
 /// linear softening to zero at $\delta_c = 2 G_c/\sigma_c$, with secant unloading; one strength and
 /// one fracture energy for all modes. Compression is transmitted without penetration.
 ///
-/// This is what most codes have (an intrinsic law): an interface that has not been damaged is compliant
-/// too. It is here to be compared with [`super::LinearSoftening`], to which it tends as K grows.
+/// This is what most codes have (an intrinsic law): an interface that has not been damaged is
+/// compliant too. It is here to be compared with [`super::LinearSoftening`], to which it tends as K
+/// grows.
 ///
 /// # Source
 /// A. Hillerborg, M. Modeer, P. Petersson, Cem. Concr. Res. 6 (1976), with an initial slope.

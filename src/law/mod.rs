@@ -150,8 +150,8 @@ pub trait InterfaceLaw {
     /// The largest tensile traction, Pa; none if there is no such.
     fn strength(&self) -> Option<f64>;
 
-    /// The steepest fall of the traction along a growing jump, whatever the history (Pa/m); none if that
-    /// is not known.
+    /// The steepest fall of the traction along a growing jump, whatever the history (Pa/m); none if
+    /// that is not known.
     fn steepest_softening(&self) -> Option<f64> {
         None
     }
@@ -162,8 +162,8 @@ pub trait InterfaceLaw {
     /// Energy dissipated per area up to this history, J/m2.
     fn dissipated(&self, history: f64) -> f64;
 
-    /// Energy dissipated per area, J/m2, once a step has led from history `from` to `to` and ends at
-    /// `jump`, where it was `before`; the history alone says it unless the law says otherwise.
+    /// Energy dissipated per area, J/m2, once a step has led from history `from` to `to` and ends
+    /// at `jump`, where it was `before`; the history alone says it unless the law says otherwise.
     fn dissipated_after(&self, _before: f64, _from: f64, to: f64, _jump: Local) -> f64 {
         self.dissipated(to)
     }

@@ -1,8 +1,8 @@
 //! The response that all softening laws share, from the envelope of each.
 //!
-//! The traction follows the direction of the jump; its size is bounded by an envelope of the largest
-//! equivalent jump so far, and below that jump it is proportional to the jump. One strength and one
-//! fracture energy serve all modes; contact is without friction, whatever the damage.
+//! The traction follows the direction of the jump; its size is bounded by an envelope of the
+//! largest equivalent jump so far, and below that jump it is proportional to the jump. One strength
+//! and one fracture energy serve all modes; contact is without friction, whatever the damage.
 
 use super::{Branch, InterfaceLaw, Local, LocalMatrix, Response};
 use crate::error::number_text;
@@ -46,7 +46,8 @@ pub trait Envelope {
     /// Derivative of the traction on the envelope by the jump, Pa/m; not positive.
     fn slope(&self, jump: f64) -> f64;
 
-    /// The jump on the envelope at which traction + r jump is `q`, which is beyond the elastic jump.
+    /// The jump on the envelope at which traction + r jump is `q`, which is beyond the elastic
+    /// jump.
     fn jump_under(&self, q: f64, r: f64) -> f64;
 }
 

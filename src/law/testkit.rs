@@ -9,8 +9,8 @@ pub trait Samples: InterfaceLaw + Sized {
     fn samples() -> Vec<Self>;
     /// The branches that the battery must have met.
     fn branches() -> &'static [Branch];
-    /// Size of the jump at which rupture in the direction `_way` is full (m), and its energy (J/m2);
-    /// none if nothing breaks.
+    /// Size of the jump at which rupture in the direction `_way` is full (m), and its energy
+    /// (J/m2); none if nothing breaks.
     fn rupture(&self, _way: Local) -> Option<(f64, f64)> {
         self.jump_scale().map(|scale| (scale, self.dissipated(scale)))
     }

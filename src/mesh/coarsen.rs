@@ -31,8 +31,8 @@ impl Column {
         column
     }
 
-    /// The lattice with one cell in the place of all along the axes that are not kept, along z one for
-    /// each layer of one material; of first order where no axis is kept.
+    /// The lattice with one cell in the place of all along the axes that are not kept, along z one
+    /// for each layer of one material; of first order where no axis is kept.
     pub fn narrowed(&self, keep: [bool; 3]) -> Self {
         let mut column = self.clone();
         for body in &mut column.bodies {

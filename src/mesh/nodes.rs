@@ -1,4 +1,5 @@
-//! The nodes of the lattices: at the planes between the cells and, in cells of second order, half-way.
+//! The nodes of the lattices: at the planes between the cells and, in cells of second order,
+//! half-way.
 
 use super::column::{Column, Facets, flatten, product, unflatten};
 use super::{CellPlace, axes};

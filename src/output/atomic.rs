@@ -35,8 +35,8 @@ pub fn publish(temporary: &Path, path: &Path) -> Result<()> {
         .map_err(|cause| Error::file("cannot write", path, cause))
 }
 
-/// As [`publish`], but what bore the name becomes `previous`. There is a whole file under one of the
-/// two names at every moment.
+/// As [`publish`], but what bore the name becomes `previous`. There is a whole file under one of
+/// the two names at every moment.
 ///
 /// # Errors
 /// As [`publish`].
@@ -157,7 +157,8 @@ fn is_running(process: u32) -> bool {
 fn flush_directory(path: &Path) -> io::Result<()> {
     let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     match File::open(parent)?.sync_all() {
-        // Some network file systems cannot flush a directory; the rename is then as safe as it gets.
+        // Some network file systems cannot flush a directory; the rename is then as safe as it
+        // gets.
         Err(e) if matches!(e.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported) => {
             Ok(())
         }

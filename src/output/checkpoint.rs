@@ -94,8 +94,8 @@ impl Opened {
     /// Opens a file and reads its description, of at most `longest` bytes.
     ///
     /// # Errors
-    /// `Input` when there is no such file, or it is no checkpoint, or it is damaged; the same on all
-    /// ranks.
+    /// `Input` when there is no such file, or it is no checkpoint, or it is damaged; the same on
+    /// all ranks.
     ///
     /// # Parallel
     /// Collective.
@@ -260,8 +260,8 @@ fn numbers<T: H5Type>(
     dataset.read_raw::<T>().map_err(|cause| cause.to_string())
 }
 
-/// Refuses what one rank cannot read at once by itself: MPI-IO and some kernels count the bytes of an
-/// access in 32 bits. What all ranks write together has no such bound.
+/// Refuses what one rank cannot read at once by itself: MPI-IO and some kernels count the bytes of
+/// an access in 32 bits. What all ranks write together has no such bound.
 fn readable(bytes: usize) -> std::result::Result<(), String> {
     if i32::try_from(bytes).is_ok() {
         return Ok(());

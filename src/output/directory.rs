@@ -46,7 +46,8 @@ impl OutputDirectory {
     /// write are never touched.
     ///
     /// # Arguments
-    /// * `case` the resolved case as JSON text; results whose case has another value are of another case
+    /// * `case` the resolved case as JSON text; results whose case has another value are of another
+    ///   case
     ///
     /// # Errors
     /// [`Error::Input`] if the directory holds results of another case and `overwrite` is false;
@@ -135,7 +136,8 @@ fn has_ended(path: &Path) -> bool {
 
 fn take(path: &Path, case: &str, overwrite: bool) -> Result<()> {
     let ours = examine(path, case, overwrite)?;
-    // The marker stays until it is replaced, so that a run killed here leaves a directory of a known case.
+    // The marker stays until it is replaced, so that a run killed here leaves a directory of a
+    // known case.
     for file in ours.iter().filter(|f| !f.ends_with(CASE)) {
         fs::remove_file(file).map_err(|cause| Error::file("cannot remove", file, cause))?;
     }

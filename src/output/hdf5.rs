@@ -61,8 +61,8 @@ impl CollectiveFile {
         self.file.create_group(name)
     }
 
-    /// Creates a dataset of shape (`rows.total`) for one component, else (`rows.total`, components),
-    /// and writes this rank's rows, whose number may be zero.
+    /// Creates a dataset of shape (`rows.total`) for one component, else (`rows.total`,
+    /// components), and writes this rank's rows, whose number may be zero.
     ///
     /// # Arguments
     /// * `values` this rank's rows one after the other, shape (own rows, `components`)

@@ -46,8 +46,8 @@ impl Table {
         }))
     }
 
-    /// Reads a table back from its file. A last line without its end is left out: its run was killed
-    /// while it wrote it.
+    /// Reads a table back from its file. A last line without its end is left out: its run was
+    /// killed while it wrote it.
     ///
     /// # Errors
     /// [`Error::System`] if the file cannot be read or a field is not a number.
@@ -162,8 +162,8 @@ impl History {
         flushed.map_err(|cause| Error::file("cannot write", &self.path, cause))
     }
 
-    /// Adds a line to the file if it is the one that was written; false if somebody has taken it away or
-    /// changed it. In one write, so that others never read a part of it.
+    /// Adds a line to the file if it is the one that was written; false if somebody has taken it
+    /// away or changed it. In one write, so that others never read a part of it.
     fn append(&self, line: &[u8]) -> io::Result<bool> {
         let file = match File::options().append(true).open(&self.path) {
             Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(false),

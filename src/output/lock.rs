@@ -13,8 +13,8 @@ use crate::error::{Error, Result};
 /// What is locked where the file system has no locks of directories.
 const FILE: &str = ".lock";
 
-/// A lock on an output directory, for as long as this lives. The system takes it back when the process
-/// ends, however it ends.
+/// A lock on an output directory, for as long as this lives. The system takes it back when the
+/// process ends, however it ends.
 #[derive(Debug)]
 pub struct Lock {
     /// On rank 0, where the file system has locks.
@@ -22,11 +22,12 @@ pub struct Lock {
 }
 
 impl Lock {
-    /// Locks a directory, which is created if there is none. A file system without locks is told with a
-    /// warning.
+    /// Locks a directory, which is created if there is none. A file system without locks is told
+    /// with a warning.
     ///
     /// # Errors
-    /// [`Error::Input`] while another run holds it; [`Error::System`] if the directory cannot be created.
+    /// [`Error::Input`] while another run holds it; [`Error::System`] if the directory cannot be
+    /// created.
     ///
     /// # Parallel
     /// Collective; rank 0 does the work.

@@ -53,7 +53,8 @@ impl Series {
     }
 
     /// A series that goes on: `written` are the steps and times of an earlier run, of which those
-    /// whose file is there stay in it. The grid is written anew, since other ranks number it otherwise.
+    /// whose file is there stay in it. The grid is written anew, since other ranks number it
+    /// otherwise.
     pub fn resume(directory: PathBuf, name: &str, written: &[(usize, f64)]) -> Self {
         let mut series = Self::new(directory, name);
         let file = |(step, time): &(usize, f64)| Instant { name: series.file(*step), time: *time };

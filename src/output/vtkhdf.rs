@@ -144,8 +144,8 @@ pub fn write_grid(
     })
 }
 
-/// Writes data on a grid that is in another file of the same directory, named `mesh`, with what does
-/// not change: `fixed` is the data there. The new file links to all of it.
+/// Writes data on a grid that is in another file of the same directory, named `mesh`, with what
+/// does not change: `fixed` is the data there. The new file links to all of it.
 ///
 /// # Errors
 /// As [`write_grid`].

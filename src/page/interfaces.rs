@@ -146,7 +146,8 @@ impl Curves<'_> {
     }
 }
 
-/// The jump up to which a law is drawn: all of one that ends, and of one that fades what can be seen.
+/// The jump up to which a law is drawn: all of one that ends, and of one that fades what can be
+/// seen.
 fn reach(law: &dyn InterfaceLaw, component: usize, stiffness: f64, dim: usize) -> Option<f64> {
     let (end, typical) = law.jump_scale().zip(law.typical_jump())?;
     let mut reach = end.min(4.0 * typical);

@@ -19,8 +19,8 @@ pub(super) type Curve = Vec<(f64, f64)>;
 const SAMPLES: usize = 4000;
 const FEWEST: usize = 4;
 
-/// The law's answer where the augmented traction t + r w goes in straight lines from mean to mean, for
-/// each component. An interface that opens evenly lies on it at every instant.
+/// The law's answer where the augmented traction t + r w goes in straight lines from mean to mean,
+/// for each component. An interface that opens evenly lies on it at every instant.
 pub(super) fn along(
     law: &dyn InterfaceLaw,
     means: &[Mean],
@@ -56,8 +56,8 @@ pub(super) fn along(
     curves
 }
 
-/// The history at which the law has the damage, where that is more than at `history`: between two instants
-/// an interface may have been opened further than at either.
+/// The history at which the law has the damage, where that is more than at `history`: between two
+/// instants an interface may have been opened further than at either.
 fn history_of(law: &dyn InterfaceLaw, history: f64, damage: f64) -> f64 {
     let Some(end) = law.jump_scale().filter(|_| damage > law.damage(history) + 1e-6) else {
         return history;
@@ -70,9 +70,9 @@ fn history_of(law: &dyn InterfaceLaw, history: f64, damage: f64) -> f64 {
     high
 }
 
-/// The law where one component alone is loaded for the first time, from the traction `low`, not positive,
-/// up to the jump `reach` or the traction `high`. The normal component is in contact below zero; a
-/// tangential one is the same both ways, and taken so where `low` is negative.
+/// The law where one component alone is loaded for the first time, from the traction `low`, not
+/// positive, up to the jump `reach` or the traction `high`. The normal component is in contact
+/// below zero; a tangential one is the same both ways, and taken so where `low` is negative.
 pub(super) fn first_loading(
     law: &dyn InterfaceLaw,
     component: usize,

@@ -79,7 +79,8 @@ fn largest_reaction(run: &Run<'_>) -> f64 {
     values.map(f64::abs).fold(0.0, f64::max)
 }
 
-/// A curve through the instants, and `from_rest` through the undeformed state, which the history leaves out.
+/// A curve through the instants, and `from_rest` through the undeformed state, which the history
+/// leaves out.
 fn curve(
     mut points: Curve,
     from_rest: bool,
@@ -97,7 +98,8 @@ fn curve(
     panel(vec![line], (&x_words, &x), (&y_words, &y))
 }
 
-/// Whether a value is not the same at all instants, where the loads have a factor or change themselves.
+/// Whether a value is not the same at all instants, where the loads have a factor or change
+/// themselves.
 fn changes(case: &Case) -> impl Fn(&Value) -> bool + '_ {
     let middle = case.mesh.lengths().map(|length| 0.5 * length);
     move |value| {

@@ -69,8 +69,8 @@ pub fn cut(
     }
 }
 
-/// Gives each part without a cell one of the heaviest part, as long as there are two. METIS may leave
-/// parts empty where weights differ much.
+/// Gives each part without a cell one of the heaviest part, as long as there are two. METIS may
+/// leave parts empty where weights differ much.
 fn fill_empty(part: &mut [i32], work: &[i32], parts: usize) {
     let (mut cells, mut load) = (vec![0; parts], vec![0_i64; parts]);
     for (part, work) in part.iter().zip(work) {

@@ -76,8 +76,8 @@ pub(super) fn forget() {
     RECORD.take();
 }
 
-/// The error behind a code that is not 0. Other ranks may not see it, and wait in the same call for this
-/// one: it is put down as a doubt.
+/// The error behind a code that is not 0. Other ranks may not see it, and wait in the same call for
+/// this one: it is put down as a doubt.
 ///
 /// # Errors
 /// `System` with the call, PETSc's message and its call path.

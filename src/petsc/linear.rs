@@ -179,15 +179,15 @@ impl Ksp {
         Ok(())
     }
 
-    /// A new linear solver in the place of that of `snes`, as the options of `prefix` say: in PETSc 3.18
-    /// a preconditioner of algebraic multigrid is not as new after `KSPReset`. Collective.
+    /// A new linear solver in the place of that of `snes`, as the options of `prefix` say: in PETSc
+    /// 3.18 a preconditioner of algebraic multigrid is not as new after `KSPReset`. Collective.
     ///
     /// # Safety
     /// `snes` is a valid solver, and outlives what is returned; the solver it had is used no more.
     pub(super) unsafe fn renewed(snes: ffi::SNES, comm: &Comm, prefix: &str) -> Result<Self> {
         let (mut raw, prefix) = (ptr::null_mut(), c_string(prefix)?);
-        // SAFETY: PETSc is initialised and the communicator alive; a valid solver by the contract, which
-        // takes a reference to the new one; PETSc copies the prefix.
+        // SAFETY: PETSc is initialised and the communicator alive; a valid solver by the contract,
+        // which takes a reference to the new one; PETSc copies the prefix.
         unsafe {
             check(ffi::KSPCreate(comm.raw(), &mut raw), "KSPCreate")?;
             check(ffi::KSPSetOptionsPrefix(raw, prefix.as_ptr()), "KSPSetOptionsPrefix")?;
@@ -222,9 +222,9 @@ impl Ksp {
         Ok(unsafe { text(name) })
     }
 
-    /// Pivots below zero of L D L^T by MUMPS, the negative eigenvalues of the tangent; `None` where there
-    /// is no such factor, or where several ranks factor the last part together (`ICNTL(13)` other than
-    /// 1), whose pivots MUMPS does not count.
+    /// Pivots below zero of L D L^T by MUMPS, the negative eigenvalues of the tangent; `None` where
+    /// there is no such factor, or where several ranks factor the last part together (`ICNTL(13)`
+    /// other than 1), whose pivots MUMPS does not count.
     pub(super) fn negative_pivots(self, ranks: i32) -> Result<Option<usize>> {
         if self.pc_type_name()? != "cholesky" {
             return Ok(None);

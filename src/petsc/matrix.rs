@@ -104,8 +104,8 @@ impl Matrix {
         Matrix { raw, petsc: petsc.clone(), owned, global, block_size }
     }
 
-    /// A matrix with the same pattern and values, symmetric, with the same motions for algebraic multigrid.
-    /// Collective.
+    /// A matrix with the same pattern and values, symmetric, with the same motions for algebraic
+    /// multigrid. Collective.
     ///
     /// # Errors
     /// `System` when PETSc fails.
@@ -282,7 +282,7 @@ impl Matrix {
         check(code, "MatZeroRows")
     }
 
-    /// Calls `act` with the global number, the columns and the values of every row of this rank. Local.
+    /// Calls `act` with the global number, columns and values of every row of this rank. Local.
     ///
     /// # Errors
     /// That of `act`; `System` when PETSc fails.

@@ -77,8 +77,8 @@ impl Ksp {
     }
 
     /// Makes the preconditioner a V-cycle over `levels`, coarsest first: Chebyshev iterations over
-    /// the diagonal as smoother (their interval is set by [`Smoother::damp`]), elimination on the coarsest level. Options of the user override
-    /// all but the levels themselves. Collective.
+    /// the diagonal as smoother (their interval is set by [`Smoother::damp`]), elimination on the
+    /// coarsest level. Options of the user override all but the levels themselves. Collective.
     pub(super) fn use_multigrid(self, levels: &[MultigridLevel<'_>]) -> Result<()> {
         let pc = self.pc()?;
         // SAFETY: a valid preconditioner and the name of a type.

@@ -13,8 +13,8 @@ use std::ffi::{CString, c_char, c_int};
 use std::ptr;
 use std::rc::Rc;
 
-/// PETSc, initialised. Clones share it; it is finalised when the last one is gone, and every vector,
-/// matrix and solver holds one.
+/// PETSc, initialised. Clones share it; it is finalised when the last one is gone, and every
+/// vector, matrix and solver holds one.
 #[derive(Clone)]
 pub struct Petsc {
     session: Rc<Session>,
@@ -118,8 +118,8 @@ impl Petsc {
     /// line win. Local, but to be called alike on all ranks.
     ///
     /// # Errors
-    /// `Input` when the text does not begin with a `-name`, or an option asks to run or read something
-    /// else; `System` when PETSc refuses it.
+    /// `Input` when the text does not begin with a `-name`, or an option asks to run or read
+    /// something else; `System` when PETSc refuses it.
     pub fn insert_options(&self, options: &str) -> Result<()> {
         if !options.trim().is_empty() && !options.trim_start().starts_with('-') {
             return Err(Error::Input(format!(

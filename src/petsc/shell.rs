@@ -135,12 +135,13 @@ unsafe fn context_of(pc: ffi::PC) -> Result<*mut SharedPreconditioner> {
 }
 
 /// # Safety
-/// To be called by PETSc only, with a preconditioner of [`Snes::precondition_by`] and two vectors that
-/// fit it.
+/// To be called by PETSc only, with a preconditioner of [`Snes::precondition_by`] and two vectors
+/// that fit it.
 unsafe extern "C" fn precondition(pc: ffi::PC, x: ffi::Vec, y: ffi::Vec) -> ffi::PetscErrorCode {
     let work = || {
-        // SAFETY: PETSc lends a valid preconditioner and two different valid vectors during the call;
-        // the context is a boxed `SharedPreconditioner`, which lives as long as the preconditioner.
+        // SAFETY: PETSc lends a valid preconditioner and two different valid vectors during the
+        // call; the context is a boxed `SharedPreconditioner`, which lives as long as the
+        // preconditioner.
         let (operator, x, mut y) =
             unsafe { (Rc::clone(&*context_of(pc)?), ReadView::new(x)?, WriteView::new(y)?) };
         operator.apply(&x, &mut y)

@@ -21,8 +21,8 @@ pub(super) fn holds(case: &Case, surface: Surface, axis: usize) -> bool {
     entries.any(|entry| entry.displacement[axis].is_some())
 }
 
-/// The constant C in $\int |v|^2 \le C \int |\varepsilon(v)|^2$ over the column, for displacements v that
-/// vanish where the case prescribes them and are continuous over tied interfaces only (m2).
+/// The constant C in $\int |v|^2 \le C \int |\varepsilon(v)|^2$ over the column, for displacements
+/// v that vanish where the case prescribes them and are continuous over tied interfaces only (m2).
 ///
 /// # Errors
 /// What stands in the way, in words.
@@ -34,7 +34,8 @@ pub fn size_over_strain(case: &Case, column: &Column, joints: &Joints) -> Result
     }
     let height = column.size[2];
     let far = std::f64::consts::FRAC_2_PI;
-    // Along a fibre of length l that begins where v vanishes: integral of v2 over that of its slope2.
+    // Along a fibre of length l that begins where v vanishes: integral of v2 over that of its
+    // slope2.
     let along = |length: f64| (far * length).powi(2);
     let mut sum = 0.0;
     let reach = |axes: &[usize]| reach(case, column, joints, axes);
@@ -49,7 +50,8 @@ pub fn size_over_strain(case: &Case, column: &Column, joints: &Joints) -> Result
             sum += along(width);
             continue;
         }
-        // Fibres that lean by s towards the middle: v.d from the strain along d = (s, 1), v_z upright.
+        // Fibres that lean by s towards the middle: v.d from the strain along d = (s, 1), v_z
+        // upright.
         let length = reach(&[axis, 2])?;
         let s = width / (2.0 * height);
         let leaning = 2.0 * along(length) * (1.0 + s * s).powi(2);
@@ -58,8 +60,8 @@ pub fn size_over_strain(case: &Case, column: &Column, joints: &Joints) -> Result
     Ok(sum + along(reach(&[2])?))
 }
 
-/// The greatest distance of a point from an end of the column that prescribes the displacements along
-/// `axes`, over tied interfaces alone (m).
+/// The greatest distance of a point from an end of the column that prescribes the displacements
+/// along `axes`, over tied interfaces alone (m).
 fn reach(case: &Case, column: &Column, joints: &Joints, axes: &[usize]) -> Result<f64, String> {
     let held = |surface: Surface| axes.iter().all(|axis| holds(case, surface, *axis));
     let (from_below, from_above) = (held(Surface::Bottom), held(Surface::Top));
@@ -93,8 +95,8 @@ pub fn stiffness_over_strain(case: &Case) -> f64 {
 /// Least eigenvalue of the mass matrix of a cell of unit size, by its order and along one axis.
 const LEAST_MASS: [f64; 2] = [1.0 / 6.0, 0.080_375_885];
 
-/// The constant m in $\int |v|^2 \ge m \sum_j |v_j|^2$ over the nodes (m3; 2D: m2), for the cells of given
-/// sizes and orders.
+/// The constant m in $\int |v|^2 \ge m \sum_j |v_j|^2$ over the nodes (m3; 2D: m2), for the cells
+/// of given sizes and orders.
 pub fn size_over_values(dim: usize, cells: impl Iterator<Item = ([f64; 3], usize)>) -> f64 {
     let of = |(size, order): ([f64; 3], usize)| {
         size.iter().product::<f64>() * LEAST_MASS[order - 1].powi(dim as i32)
@@ -103,7 +105,8 @@ pub fn size_over_values(dim: usize, cells: impl Iterator<Item = ([f64; 3], usize
 }
 
 /// Stiffness of the column against the opening of an interface, over the area, when both ends are
-/// held: 1 / integral of dz/E (Pa/m). The strain energy is at least that of fibres of Young's modulus.
+/// held: 1 / integral of dz/E (Pa/m). The strain energy is at least that of fibres of Young's
+/// modulus.
 pub fn stiffness_of_fibres(case: &Case, column: &Column) -> f64 {
     let mut compliance = 0.0;
     for body in 0..column.bodies() {
@@ -116,12 +119,13 @@ pub fn stiffness_of_fibres(case: &Case, column: &Column) -> f64 {
     1.0 / compliance
 }
 
-/// Modes across the section that are as short as the cells need so many times the slope of the softening.
+/// Modes across the section that are as short as the cells need so many times the slope of the
+/// softening.
 const SHORT_MODES: f64 = 36.0;
 
 /// What the softening of an interface with the slope `slope` (Pa/m) takes of the stiffness against
-/// its opening; below 1 the state is stable, whatever varies across the section. `cells` are those of
-/// the body of its secondary side.
+/// its opening; below 1 the state is stable, whatever varies across the section. `cells` are those
+/// of the body of its secondary side.
 ///
 /// # Errors
 /// What stands in the way, in words.
@@ -138,8 +142,8 @@ pub fn softening(
         return Err(format!("{name} softens and an end of the column is free along z"));
     }
     // Nodes share the jump out to areas: of a jump that varies linearly over n cells its square is
-    // larger by 2/n2 than the integral, and of one that alternates nine times, where the bulk resists
-    // with its modulus over the size of the cells.
+    // larger by 2/n2 than the integral, and of one that alternates nine times, where the bulk
+    // resists with its modulus over the size of the cells.
     let mut share = slope / stiffness_of_fibres(case, column);
     let least = case.materials.iter().map(|m| m.young_modulus).fold(f64::INFINITY, f64::min);
     for (axis, n) in cells.iter().enumerate().take(case.dim - 1) {

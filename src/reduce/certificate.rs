@@ -136,8 +136,8 @@ impl Prover<'_> {
         Ok(None)
     }
 
-    /// The largest difference of the jump, and of the tractions that are interpolated, from those that
-    /// the law has answered with, over their scales. Collective.
+    /// The largest difference of the jump, and of the tractions that are interpolated, from those
+    /// that the law has answered with, over their scales. Collective.
     fn jump_defect(&self) -> f64 {
         let all = &self.foundation.all;
         let dim = all.dim;
@@ -207,8 +207,8 @@ impl Prover<'_> {
 
     /// The residuals of all states. Collective.
     ///
-    /// A residual is linear in displacements, tractions and loads, and does not feel translations of a
-    /// body: states that are combinations of others need no evaluation.
+    /// A residual is linear in displacements, tractions and loads, and does not feel translations
+    /// of a body: states that are combinations of others need no evaluation.
     fn residuals(&self) -> Result<Residuals> {
         let mut rest: Vec<Vec<f64>> = self.states.iter().map(|s| self.stacked(s)).collect();
         // Of each state: the bound of its residual by its parts along the directions so far.
@@ -255,7 +255,8 @@ impl Prover<'_> {
         Ok(Residuals { count, norm, energy, reactions })
     }
 
-    /// Displacements less the translation of each body, tractions and loads of a state, all in Pa. Local.
+    /// Displacements less the translation of each body, tractions and loads of a state, all in Pa.
+    /// Local.
     fn stacked(&self, state: &Snapshot) -> Vec<f64> {
         let modulus = self.case.materials.iter().map(|m| m.young_modulus).fold(0.0, f64::max);
         let scale = modulus / self.foundation.mesh.column.size[2];

@@ -6,14 +6,15 @@ use super::{Prolongation, Snapshot};
 use crate::mesh::{CellPlace, Column, axes};
 use crate::solve::Foundation;
 
-/// What is left of nodal values of this size, over the largest, when their linear part is taken out is
-/// rounding.
+/// What is left of nodal values of this size, over the largest, when their linear part is taken out
+/// is rounding.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// And what is left of a state that was solved for.
 const STRAIGHT: f64 = 1e-10;
 
-/// Forces and displacements of the linear part in cells of one prototype in one cell of the smaller model.
+/// Forces and displacements of the linear part in cells of one prototype in one cell of the smaller
+/// model.
 type Alike = ((u64, u16), [Vec<f64>; 2]);
 
 /// The displacements in a cell of the smaller model.
@@ -24,12 +25,12 @@ struct Parent {
     rest: HashMap<usize, [f64; 3]>,
 }
 
-/// Adds the forces of the cells at a prolonged state to `force` (N, `dim` numbers per local node); its
-/// energy norm squared (J). `displacement` is by node of the smaller model (m). Local.
+/// Adds the forces of the cells at a prolonged state to `force` (N, `dim` numbers per local node);
+/// its energy norm squared (J). `displacement` is by node of the smaller model (m). Local.
 ///
-/// The linear part of the displacements in each cell of the smaller model acts by its gradient: from
-/// nodal values, which are large beside their differences in small cells, rounding would be all that
-/// is seen.
+/// The linear part of the displacements in each cell of the smaller model acts by its gradient:
+/// from nodal values, which are large beside their differences in small cells, rounding would be
+/// all that is seen.
 pub fn add_forces(
     foundation: &Foundation,
     prolongation: &Prolongation,

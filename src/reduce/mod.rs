@@ -42,11 +42,11 @@ pub struct Reduction {
 /// The proof that a smaller model serves.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Certificate {
-    /// Largest error of the displacements in the energy norm at any instant, over the largest energy norm
-    /// of the displacements: a bound.
+    /// Largest error of the displacements in the energy norm at any instant, over the largest
+    /// energy norm of the displacements: a bound.
     pub error_bound: f64,
-    /// What the softening interface takes of the stiffness that the column holds against it, at most: below
-    /// 1 no mode can become unstable.
+    /// What the softening interface takes of the stiffness that the column holds against it, at
+    /// most: below 1 no mode can become unstable.
     pub softening: f64,
     /// Unknowns of the model asked for.
     pub unknowns_asked: u64,

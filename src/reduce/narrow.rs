@@ -11,7 +11,8 @@ const TIGHTER: f64 = 1e-3;
 /// And at most; rounding is the limit where cells are many.
 const TIGHTEST: f64 = 1e-13;
 
-/// The states of all instants are kept: what a node takes on an average, and what all may take (bytes).
+/// The states of all instants are kept: what a node takes on an average, and what all may take
+/// (bytes).
 const BYTES_OF_NODE: u64 = 400;
 const MOST_BYTES: u64 = 1 << 29;
 
@@ -45,7 +46,8 @@ pub fn candidates(case: &Case, wide: &Column) -> Vec<Candidate> {
         case.gravity != [0.0; 3] || case.body_force.iter().any(|force| !force.is_zero());
     let mut list: Vec<Candidate> = Vec::new();
     for (left_out, keep) in KINDS {
-        // What acts inside the column bends its displacements, and nothing else that is uniform does.
+        // What acts inside the column bends its displacements, and nothing else that is uniform
+        // does.
         let is_straight = keep == [false; 3];
         if !keep[0] && !keep[1] && is_straight == has_weight {
             continue;

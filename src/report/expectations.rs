@@ -84,7 +84,8 @@ pub fn evaluate(
         note: None,
     };
     let time = history.column("time").ok_or_else(|| Error::Bug("history without time".into()))?;
-    // Instants are given as numbers in the case on both sides; sums of steps may differ by rounding.
+    // Instants are given as numbers in the case on both sides; sums of steps may differ by
+    // rounding.
     let same = |t: f64| (t - at).abs() <= 1e-12 * at.abs().max(t.abs());
     let row = history.rows.iter().rev().find(|row| row[time].is_some_and(same));
     let Some(row) = row else {

@@ -17,7 +17,8 @@ pub fn peak(comm: &Comm) -> Option<u64> {
 /// Largest resident memory in `/proc/PID/status`.
 const HIGH_WATER_MARK: &str = "VmHWM:";
 
-/// An entry of a file of `/proc` in which sizes stand line by line, in bytes; none where there is none. Local.
+/// An entry of a file of `/proc` in which sizes stand line by line, in bytes; none where there is
+/// none. Local.
 pub fn entry(file: &str, name: &str) -> Option<u64> {
     read(&std::fs::read_to_string(file).ok()?, name)
 }

@@ -115,7 +115,8 @@ pub struct LinearSolver {
     pub choice: String,
     /// Why it was chosen.
     pub why: String,
-    /// What PETSc solved with in the end, that of all unknowns first; none where nothing was solved.
+    /// What PETSc solved with in the end, that of all unknowns first; none where nothing was
+    /// solved.
     pub ran: Vec<Ran>,
     /// Options of PETSc from the command line, the case and the environment.
     #[serde(skip_serializing_if = "Vec::is_empty")]

@@ -100,8 +100,8 @@ impl Keeper {
             }
     }
 
-    /// Whether a checkpoint may be too late when it is asked for, and takes little of the time since
-    /// the last one. Collective.
+    /// Whether a checkpoint may be too late when it is asked for, and takes little of the time
+    /// since the last one. Collective.
     pub fn is_worth_it(&self, comm: &Comm) -> bool {
         comm.any(signals::is_hurried() && self.last.elapsed() >= SELDOM * self.cost)
     }

@@ -158,7 +158,8 @@ impl FieldWriter {
     }
 }
 
-/// What a pore pressure adds to the bulk; values of cells without pores are 0, their stress has no part in it.
+/// What a pore pressure adds to the bulk; values of cells without pores are 0, their stress has no
+/// part in it.
 struct PoreFields {
     /// At owned nodes (Pa).
     pressure: Vec<f64>,

@@ -56,8 +56,8 @@ pub fn row(
     row
 }
 
-/// Puts 0 for the tractions and jumps of components that a smaller model leaves out and the model asked for
-/// has, as `has` tells by interface and component. Local.
+/// Puts 0 for the tractions and jumps of components that a smaller model leaves out and the model
+/// asked for has, as `has` tells by interface and component. Local.
 pub fn fill(case: &Case, row: &mut [Option<f64>], has: impl Fn(usize, usize) -> bool) {
     let dim = case.dim;
     let mut at = FIRST_OF_INTERFACES;
@@ -75,8 +75,8 @@ pub fn fill(case: &Case, row: &mut [Option<f64>], has: impl Fn(usize, usize) -> 
     }
 }
 
-/// Puts in the reactions of a model asked for in the place of a smaller one's, whose nodes stand for
-/// more of each surface: of each surface, then the total (N). Local.
+/// Puts in the reactions of a model asked for in the place of a smaller one's, whose nodes stand
+/// for more of each surface: of each surface, then the total (N). Local.
 pub fn put_reactions(case: &Case, row: &mut [Option<f64>], reactions: &[[f64; 3]]) {
     let columns = case.columns();
     let places = row.iter_mut().zip(&columns).filter(|(_, name)| name.contains(".reaction_"));

@@ -168,7 +168,8 @@ fn read_case(comm: &Comm, path: &Path, overrides: &[String]) -> Result<Case> {
     comm.agree(Case::read(&String::from_utf8_lossy(&text), path, overrides))
 }
 
-/// The model that was asked for, and the smaller one that takes its place if there is one. Collective.
+/// The model that was asked for, and the smaller one that takes its place if there is one.
+/// Collective.
 fn build<'a>(
     runtime: &'a Runtime,
     timers: &'a Timers,

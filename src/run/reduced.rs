@@ -56,8 +56,8 @@ pub fn attempt(
     Ok((Reduction::none(why), None))
 }
 
-/// Solves a smaller model and proves that it serves; the inner error is why it is too small, in words.
-/// Every rank solves it by itself, which costs less than to share it. Collective.
+/// Solves a smaller model and proves that it serves; the inner error is why it is too small, in
+/// words. Every rank solves it by itself, which costs less than to share it. Collective.
 ///
 /// # Errors
 /// `Numerics` when there is no such model, smaller or larger; else as [`attempt`].
@@ -183,7 +183,8 @@ impl Reduced {
         }
     }
 
-    /// What took the state of an instant, by its place in the list, and its row of the history. Local.
+    /// What took the state of an instant, by its place in the list, and its row of the history.
+    /// Local.
     pub fn instant(&self, number: usize) -> (Accepted, Vec<Option<f64>>) {
         let (row, accepted) = &self.rows[number];
         (*accepted, row.clone())
@@ -212,8 +213,8 @@ impl Reduced {
         }
     }
 
-    /// Makes the state of an instant the accepted one of `model`, so that a checkpoint can be written.
-    /// Collective.
+    /// Makes the state of an instant the accepted one of `model`, so that a checkpoint can be
+    /// written. Collective.
     ///
     /// # Errors
     /// `System` when PETSc fails.

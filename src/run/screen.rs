@@ -77,7 +77,8 @@ pub fn print_once(answer: &Result<String>) {
 }
 
 /// Launchers end the other ranks when one fails, and one that has not spoken yet never would: the
-/// silent ones leave it the first word. It ends them with its own failure, long before the time is up.
+/// silent ones leave it the first word. It ends them with its own failure, long before the time is
+/// up.
 fn wait_for_the_speaker() {
     std::thread::sleep(std::time::Duration::from_secs(5));
 }

@@ -175,7 +175,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Writes a checkpoint where the next step may be too slow for one when it is asked for. Collective.
+    /// Writes a checkpoint where the next step may be too slow for one. Collective.
     fn write_ahead(&mut self, model: &mut Model<'_>) -> Result<()> {
         let slow = model.stepper.problem.pulse.is_slow();
         if slow && self.keeper.is_worth_it(self.comm) {
@@ -224,8 +224,8 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Compares with the expectations and writes the report, and the page if it is wanted, also when the
-    /// solution failed. Collective.
+    /// Compares with the expectations and writes the report, and the page if it is wanted, also
+    /// when the solution failed. Collective.
     pub fn close(
         mut self,
         runtime: &Runtime,

@@ -19,8 +19,8 @@ const MOST_BETWEEN: usize = 8;
 
 /// How often it is looked at.
 const TICK: Duration = Duration::from_millis(50);
-/// Who sleeps so much longer than he meant to was stopped himself, or the machine is so busy that the
-/// TERM which follows has to do.
+/// Who sleeps so much longer than he meant to was stopped himself, or the machine is so busy that
+/// the TERM which follows has to do.
 const MISSED: Duration = Duration::from_millis(400);
 /// A CONT so soon after a stop continues from it.
 const SOON: Duration = Duration::from_secs(3);
@@ -32,8 +32,8 @@ pub fn is_watched() -> bool {
     WATCHED.load(Ordering::Relaxed)
 }
 
-/// Has a CONT of the launcher taken for a request to stop, from now on. Nothing where there is none.
-/// Local, once in a process.
+/// Has a CONT of the launcher taken for a request to stop, from now on. Nothing where there is
+/// none. Local, once in a process.
 ///
 /// # Errors
 /// The operating system's.

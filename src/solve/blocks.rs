@@ -7,17 +7,17 @@
 //! [ -Q^T  -C ] [dp]
 //! ```
 //!
-//! have the tangent A of the condensed form, the coupling Q and the compressibility C, both linearised
-//! at rest: symmetric, and the same for every state and step of one length. GMRES solves them with a
-//! block triangular preconditioner: that of the mechanical problem for A, and multigrid for the
-//! fixed-stress approximation of the Schur complement, C + b^2/K M (J. White, R. Borja, Comput. Geosci.
-//! 15, 2011), with the geometric mean K of the drained bulk modulus and the oedometric one: motions of
-//! the skeleton under a pressure lie between the two. With `solver.linear: mumps` the whole matrix is
-//! eliminated instead.
+//! have the tangent A of the condensed form, the coupling Q and the compressibility C, both
+//! linearised at rest: symmetric, and the same for every state and step of one length. GMRES solves
+//! them with a block triangular preconditioner: that of the mechanical problem for A, and multigrid
+//! for the fixed-stress approximation of the Schur complement, C + b^2/K M (J. White, R. Borja,
+//! Comput. Geosci. 15, 2011), with the geometric mean K of the drained bulk modulus and the
+//! oedometric one: motions of the skeleton under a pressure lie between the two. With
+//! `solver.linear: mumps` the whole matrix is eliminated instead.
 //!
-//! Fluid that flows along an interface adds what depends on the state and is not symmetric: the operator has
-//! the derivatives by pressures and openings ([`FilmTangent`]), the pressure's block those by pressures,
-//! and the fields are split with every solver.
+//! Fluid that flows along an interface adds what depends on the state and is not symmetric: the
+//! operator has the derivatives by pressures and openings ([`FilmTangent`]), the pressure's block
+//! those by pressures, and the fields are split with every solver.
 
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
@@ -89,8 +89,8 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// The blocks with the solvers that precondition them; `tangent` is what the mechanical one has for
-    /// its matrix. Collective.
+    /// The blocks with the solvers that precondition them; `tangent` is what the mechanical one has
+    /// for its matrix. Collective.
     ///
     /// # Errors
     /// `System` when PETSc fails.
@@ -148,7 +148,8 @@ impl Blocks {
         }
     }
 
-    /// Sets up the tangent of the mechanical problem at the state that it evaluated last. Collective.
+    /// Sets up the tangent of the mechanical problem at the state that it evaluated last.
+    /// Collective.
     pub(super) fn set_mechanics(
         &self,
         problem: &mut Problem<'_>,
@@ -226,7 +227,8 @@ impl LinearOperator for Operator {
             let p = blocks.pressures(xp);
             let mut rows = vec![0.0; p.len()];
             let minus: Vec<f64> = p.iter().map(|p| -p).collect();
-            // Within the product, which has the displacements of all local nodes and sums the forces.
+            // Within the product, which has the displacements of all local nodes and sums the
+            // forces.
             blocks.tangent.multiply_beside(xu, yu, |u, force| {
                 pores.add_forces(all, &minus, false, force);
                 pores.add_volumes(all, u, &mut rows);

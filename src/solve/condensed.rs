@@ -67,8 +67,8 @@ pub fn follow(all: &Discretization, interfaces: &InterfaceState, correction: &mu
     }
 }
 
-/// The reverse of [`follow`], for a correction of which nothing is known in advance: 0 at stuck and prescribed
-/// components. Collective.
+/// The reverse of [`follow`], for a correction of which nothing is known in advance: 0 at stuck and
+/// prescribed components. Collective.
 pub fn to_unknowns(all: &Discretization, interfaces: &InterfaceState, correction: &mut [f64]) {
     let dim = all.dim;
     let mut y = vec![0.0; all.nodes.len() * dim];

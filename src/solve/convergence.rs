@@ -58,8 +58,9 @@ pub fn rounding(cancelling: f64) -> f64 {
     UNITS * f64::EPSILON * cancelling
 }
 
-/// Whether what is missing in a balance, at most, is no more than what rounding leaves of parts that
-/// cancel, of size `cancelling` at most, beside which its largest part `scale` is nothing either.
+/// Whether what is missing in a balance, at most, is no more than what rounding leaves of parts
+/// that cancel, of size `cancelling` at most, beside which its largest part `scale` is nothing
+/// either.
 pub fn is_rounding(missing: f64, scale: f64, cancelling: f64) -> bool {
     let rounding = rounding(cancelling);
     missing <= rounding && scale <= MEANINGLESS * rounding
@@ -165,7 +166,8 @@ impl Convergence {
         self.current = Scales { force, displacement, cancelling };
     }
 
-    /// Takes note of a residual that is not a number, which ends a solve before it is judged. Local.
+    /// Takes note of a residual that is not a number, which ends a solve before it is judged.
+    /// Local.
     pub fn see_residual(&mut self, all: &Discretization, f: &[f64]) {
         let broken = f.iter().position(|force| !force.is_finite());
         self.broken = broken.map(|i| all.nodes.names[i / all.dim]);
@@ -272,8 +274,8 @@ impl Convergence {
         Measure { worst, defect, out_of_balance, largest }
     }
 
-    /// The verdict on a state: `worst` is the largest out-of-balance nodal force (N), `control` how far
-    /// what the load factor follows from is from its value, over its scale. Collective.
+    /// The verdict on a state: `worst` is the largest out-of-balance nodal force (N), `control` how
+    /// far what the load factor follows from is from its value, over its scale. Collective.
     #[allow(clippy::too_many_arguments)] // the parts of a state
     pub fn judge(
         &mut self,

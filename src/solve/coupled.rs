@@ -1,7 +1,7 @@
 //! Displacement and pore pressure together, as PETSc's SNES sees them.
 //!
-//! Unknowns are the displacements of all nodes, then the scaled pressures; see [`super::blocks`] for the
-//! linear systems.
+//! Unknowns are the displacements of all nodes, then the scaled pressures; see [`super::blocks`]
+//! for the linear systems.
 
 use std::rc::Rc;
 
@@ -18,17 +18,18 @@ use crate::petsc::{
 };
 use crate::timers::Phase;
 
-/// How many times smaller than that of forces the error of the fluid's balance has to be: errors of all
-/// steps add up in the accounts. Below what rounding may leave it cannot be.
+/// How many times smaller than that of forces the error of the fluid's balance has to be: errors of
+/// all steps add up in the accounts. Below what rounding may leave it cannot be.
 const STRICTER: f64 = 100.0;
 
-/// Part by which one correction may change the density of a fluid that flows along an interface. Between
-/// lips that still hold nothing bounds the pressure but what the rock stores.
+/// Part by which one correction may change the density of a fluid that flows along an interface.
+/// Between lips that still hold nothing bounds the pressure but what the rock stores.
 const MOST_DENSER: f64 = 0.1;
 
-/// Residual of a linear solve over that of the state it starts from. The tangent is that of pores at rest,
-/// so that a correction leaves about as much as the pores have changed, whatever its digits: what is left of
-/// the residual is left to the next correction, and Newton's test alone says when to stop.
+/// Residual of a linear solve over that of the state it starts from. The tangent is that of pores
+/// at rest, so that a correction leaves about as much as the pores have changed, whatever its
+/// digits: what is left of the residual is left to the next correction, and Newton's test alone
+/// says when to stop.
 const REDUCTION: f64 = 1e-5;
 
 /// What the coupled model has beside the mechanical problem.
@@ -40,8 +41,8 @@ pub struct Coupling {
     assembled: Option<FlowStep>,
     /// The last corrections of both fields.
     earlier: Earlier,
-    /// What is missing in the balance of the fluid at the last state, and how much of that rounding may be,
-    /// over its scale.
+    /// What is missing in the balance of the fluid at the last state, and how much of that rounding
+    /// may be, over its scale.
     pub(super) missing: [f64; 2],
 }
 

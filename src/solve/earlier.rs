@@ -1,9 +1,9 @@
 //! Starts coupled linear solves from earlier corrections.
 //!
-//! Pores and bulk answer almost linearly: the next correction lies close to the span of those before,
-//! be it that the load grows on or that the pressure decays. The start is the element of that span which
-//! leaves the smallest residual. [`super::recycle`] is the like for the mechanical problem, in its energy norm,
-//! which the indefinite coupled matrix has not.
+//! Pores and bulk answer almost linearly: the next correction lies close to the span of those
+//! before, be it that the load grows on or that the pressure decays. The start is the element of
+//! that span which leaves the smallest residual. [`super::recycle`] is the like for the mechanical
+//! problem, in its energy norm, which the indefinite coupled matrix has not.
 
 use super::recycle::{best_weights, dot};
 use crate::comm::Comm;
@@ -39,9 +39,9 @@ impl Earlier {
         self.kept.iter_mut().for_each(|kept| kept.product = None);
     }
 
-    /// Adds the best start to `guess`, whose product with the matrix has been taken off `rhs`. `unknowns` turns a
-    /// correction into one of the present unknowns, 0 where rows are the identity; `multiply` is the product
-    /// with the matrix. Collective.
+    /// Adds the best start to `guess`, whose product with the matrix has been taken off `rhs`.
+    /// `unknowns` turns a correction into one of the present unknowns, 0 where rows are the
+    /// identity; `multiply` is the product with the matrix. Collective.
     pub fn add_best(
         &mut self,
         comm: &Comm,

@@ -21,8 +21,8 @@ const DEPENDENT: f64 = 1e-12;
 /// When a search ends, if not at the most iterations.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Until {
-    /// A Rayleigh quotient below minus what rounding allows (N/m), which is a bound from above and proof
-    /// enough, or a larger one that has settled.
+    /// A Rayleigh quotient below minus what rounding allows (N/m), which is a bound from above and
+    /// proof enough, or a larger one that has settled.
     Proof(f64),
     /// The modes of the lowest eigenvalue are exact.
     Exact,
@@ -31,9 +31,9 @@ pub enum Until {
 /// A vector and the tangent's product with it.
 type WithProduct = (Vec<f64>, Vec<f64>);
 
-/// The modes that belong to the lowest of the eigenvalues that are found from as many starts, of unit
-/// length and orthogonal to each other, with the eigenvalue; none if the starts are zero. Owned
-/// entries. Collective.
+/// The modes that belong to the lowest of the eigenvalues that are found from as many starts, of
+/// unit length and orthogonal to each other, with the eigenvalue; none if the starts are zero.
+/// Owned entries. Collective.
 ///
 /// # Errors
 /// `System` when PETSc fails.
@@ -110,8 +110,8 @@ fn combine(span: &[WithProduct], weights: &[f64], from: usize) -> WithProduct {
     (sum, product)
 }
 
-/// The least Rayleigh quotients over a span, at most `count`, rising, and the weights of their vectors of
-/// unit length; none if the span is empty. Collective.
+/// The least Rayleigh quotients over a span, at most `count`, rising, and the weights of their
+/// vectors of unit length; none if the span is empty. Collective.
 fn least(comm: &Comm, span: &[WithProduct], count: usize) -> Vec<(f64, Vec<f64>)> {
     let n = span.len();
     let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };

@@ -15,10 +15,10 @@ pub struct Energy {
     pub fluid: f64,
 }
 
-/// Potential energy of the state that `problem` evaluated last: what is stored and dissipated, less the
-/// work that the present loads would have done on the way from rest (J; 2D: per metre of thickness).
-/// Under the same loads and prescribed displacements, from the same history, stable states are its
-/// minima. Collective.
+/// Potential energy of the state that `problem` evaluated last: what is stored and dissipated, less
+/// the work that the present loads would have done on the way from rest (J; 2D: per metre of
+/// thickness). Under the same loads and prescribed displacements, from the same history, stable
+/// states are its minima. Collective.
 pub(super) fn potential(problem: &Problem<'_>) -> f64 {
     let load = problem.applied();
     let owned = problem.all.nodes.owned * problem.all.dim;
@@ -29,8 +29,8 @@ pub(super) fn potential(problem: &Problem<'_>) -> f64 {
     sum[0]
 }
 
-/// What this rank's part of a state stores and has dissipated (J), with all that acts on the bulk summed
-/// at its nodes.
+/// What this rank's part of a state stores and has dissipated (J), with all that acts on the bulk
+/// summed at its nodes.
 fn held(problem: &Problem<'_>, load: &[f64]) -> [f64; 2] {
     let (all, dim) = (&problem.all, problem.all.dim);
     let forces = problem.bulk_force.iter().zip(load).zip(&problem.displacement);

@@ -65,8 +65,8 @@ pub(super) fn ties(rows: &[JumpRows<u64>], nodes: &Nodes) -> (Vec<Tie>, Vec<Opti
     (ties, tie_of)
 }
 
-/// Indices into `Discretization::secondary` of the owned nodes with a film, and the corners around each with
-/// their parts of the pressure there, by name.
+/// Indices into `Discretization::secondary` of the owned nodes with a film, and the corners around
+/// each with their parts of the pressure there, by name.
 fn film_nodes(
     case: &Case,
     (mesh, all): (&LocalMesh, &Discretization),

@@ -22,7 +22,8 @@ use accounts::Contents;
 pub struct Source {
     /// Mass flux (kg/m2/s).
     rate: Loads,
-    /// Through this rank's facets at the two ends of the step (m3/s), at all local nodes, not summed.
+    /// Through this rank's facets at the two ends of the step (m3/s), at all local nodes, not
+    /// summed.
     at: [Vec<f64>; 2],
 }
 
@@ -44,8 +45,8 @@ pub struct Flow {
     injection: Source,
     /// Density of the fluid at the reference pressure (kg/m3).
     density: f64,
-    /// Unknowns are pressures over this (Pa/m): their rows then have the unit and the size of those of
-    /// the displacements.
+    /// Unknowns are pressures over this (Pa/m): their rows then have the unit and the size of those
+    /// of the displacements.
     pub scale: f64,
     /// The running step.
     pub step: FlowStep,
@@ -57,8 +58,8 @@ pub struct Flow {
     in_pores: Contents,
     /// Likewise in its films; empty without any.
     in_films: Contents,
-    /// What was left of the balance of owned nodes at the last accepted state (m3): the next step makes up
-    /// for it, so that the accounts close however many steps there are.
+    /// What was left of the balance of owned nodes at the last accepted state (m3): the next step
+    /// makes up for it, so that the accounts close however many steps there are.
     left: Vec<f64>,
     /// Largest nodal magnitude of the balance of the accepted states and of the last one (m3).
     scales: [f64; 2],
@@ -68,15 +69,15 @@ pub struct Flow {
     initial: f64,
     /// The lengths of the steps, where they follow from their error.
     pub pace: Option<Pace>,
-    /// Longest step (s) in which the pressure of some cell would oscillate: of cells of first order, which
-    /// are held back then, and of second order.
+    /// Longest step (s) in which the pressure of some cell would oscillate: of cells of first
+    /// order, which are held back then, and of second order.
     bounds: [f64; 2],
     /// What is to be said of steps that were too short, in words.
     pub remarks: Vec<String>,
     /// Accounts up to the last accepted state.
     pub balance: FluidBalance,
-    /// Local nodes on the lips from which fluid flows into the pores, each with its side: twice the index of
-    /// the interface, and one more for the upper side.
+    /// Local nodes on the lips from which fluid flows into the pores, each with its side: twice the
+    /// index of the interface, and one more for the upper side.
     lips: Vec<(u32, usize)>,
     /// Mean rate in the last step into the lower and the upper side of each interface (kg/s).
     pub into_sides: Vec<[f64; 2]>,
@@ -148,8 +149,8 @@ impl Flow {
         Ok(())
     }
 
-    /// Tells once of each kind of cells whose pressure would oscillate in the running step. Local: the
-    /// same on all ranks.
+    /// Tells once of each kind of cells whose pressure would oscillate in the running step. Local:
+    /// the same on all ranks.
     fn remark(&mut self) {
         let length = self.step.length;
         for (order, bound) in self.bounds.iter_mut().enumerate().filter(|(_, b)| length < **b) {
@@ -182,7 +183,8 @@ impl Flow {
         self.pace.as_mut().is_none_or(|pace| pace.accepts(comm, before, after, length))
     }
 
-    /// Writes the prescribed pressures at `time` into `x`, the scaled pressures of owned nodes. Local.
+    /// Writes the prescribed pressures at `time` into `x`, the scaled pressures of owned nodes.
+    /// Local.
     ///
     /// # Errors
     /// `Input` when a formula gives no finite number.
@@ -209,9 +211,10 @@ impl Flow {
         self.space.add_forces(all, &self.pressure, true, force);
     }
 
-    /// The residual of the last state: of what is missing at each owned node, in the unit of a force (N).
-    /// `known` are displacements that the linear solve does not find. Returns how much is missing
-    /// at most over the largest magnitude, and how much of that rounding may be. Collective.
+    /// The residual of the last state: of what is missing at each owned node, in the unit of a
+    /// force (N). `known` are displacements that the linear solve does not find. Returns how much
+    /// is missing at most over the largest magnitude, and how much of that rounding may be.
+    /// Collective.
     pub fn residual(
         &mut self,
         comm: &Comm,
@@ -244,7 +247,8 @@ impl Flow {
         if is_nothing { [0.0; 2] } else { [worst[0] / scale, rounding(worst[2]) / scale] }
     }
 
-    /// The largest magnitude of the balance in the unit of a force (N). Local: the same on all ranks.
+    /// The largest magnitude of the balance in the unit of a force (N). Local: the same on all
+    /// ranks.
     pub fn force_scale(&self) -> f64 {
         self.scale * self.scales[0].max(self.scales[1])
     }
@@ -279,8 +283,8 @@ impl Flow {
         at
     }
 
-    /// Goes on from an accepted state of an earlier run: the pressures of owned nodes, the accounts and
-    /// the scale. Collective.
+    /// Goes on from an accepted state of an earlier run: the pressures of owned nodes, the accounts
+    /// and the scale. Collective.
     pub fn resume(
         &mut self,
         problem: &Problem<'_>,

@@ -51,12 +51,13 @@ const MULTIGRID: &[(&str, &str)] = &[
     ("pc_hypre_boomeramg_P_max", "6"),
 ];
 
-/// Sweeps of its smoother beside displacements of second order, which cost so much more that a second one costs
-/// nothing: in short steps the matrix is nearly a mass matrix, of which BoomerAMG makes no coarser level.
+/// Sweeps of its smoother beside displacements of second order, which cost so much more that a
+/// second one costs nothing: in short steps the matrix is nearly a mass matrix, of which BoomerAMG
+/// makes no coarser level.
 const SWEEPS: (&str, &str) = ("pc_hypre_boomeramg_grid_sweeps_all", "2");
 
-/// The first step after a jump of the load is so much of the shortest one that does not oscillate along the
-/// shortest edge of a cell.
+/// The first step after a jump of the load is so much of the shortest one that does not oscillate
+/// along the shortest edge of a cell.
 const FIRST: f64 = 0.01;
 
 /// Few pressures are eliminated.
@@ -66,9 +67,10 @@ const ELIMINATION: &[(&str, &str)] =
 /// Up to so many.
 const FEW: u64 = 3000;
 
-/// Adds the pore pressure to a mechanical problem, whose solver becomes a block of the preconditioner:
-/// the solver of both fields, what couples them, and the unknowns of this rank. With `eliminate`, its
-/// options of elimination, both fields are eliminated together, but for films. Collective.
+/// Adds the pore pressure to a mechanical problem, whose solver becomes a block of the
+/// preconditioner: the solver of both fields, what couples them, and the unknowns of this rank.
+/// With `eliminate`, its options of elimination, both fields are eliminated together, but for
+/// films. Collective.
 ///
 /// # Errors
 /// `Input` when pressures disagree or a formula gives no finite number; `System` when PETSc fails.

@@ -29,8 +29,8 @@ impl Foundation {
     /// Of a case on `mesh`. Collective.
     ///
     /// # Errors
-    /// `Input` when boundary entries disagree, a formula gives no finite number at an instant, a side of
-    /// an interface is not covered, or there are more unknowns than PETSc numbers.
+    /// `Input` when boundary entries disagree, a formula gives no finite number at an instant, a
+    /// side of an interface is not covered, or there are more unknowns than PETSc numbers.
     pub fn new(comm: &Comm, case: &Case, mesh: LocalMesh) -> Result<Self> {
         let prescribed = Prescribed::new(case, &mesh.column);
         let times = case.load_times();

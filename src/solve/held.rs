@@ -10,12 +10,12 @@ use crate::mesh::{Column, axes};
 
 /// A motion is free where what resists it is less than this part of what would if everything held.
 const FREE: f64 = 1e-12;
-/// Part of a motion in those that are free with which it is named; a translation is named only where it is
-/// free by itself.
+/// Part of a motion in those that are free with which it is named; a translation is named only
+/// where it is free by itself.
 const NAMED: [f64; 2] = [1e-6, 1.0 - 1e-6];
 
-/// Cohesion is gone where the damage differs from 1 by less: what is left of it is below the usual tolerance
-/// of forces.
+/// Cohesion is gone where the damage differs from 1 by less: what is left of it is below the usual
+/// tolerance of forces.
 const LEFT: f64 = 1e-9;
 
 /// Whether nothing but contact is left at a secondary node. Local.
@@ -28,8 +28,8 @@ pub fn is_separated(
     response.branch.is_separated() || law.damage(response.history) >= 1.0 - LEFT
 }
 
-/// The displacement of a point in a rigid motion: three translations, then three rotations about the axes
-/// through `centre`.
+/// The displacement of a point in a rigid motion: three translations, then three rotations about
+/// the axes through `centre`.
 fn motion(number: usize, point: [f64; 3], centre: [f64; 3]) -> [f64; 3] {
     let mut u = [0.0; 3];
     if number < 3 {
@@ -42,9 +42,9 @@ fn motion(number: usize, point: [f64; 3], centre: [f64; 3]) -> [f64; 3] {
     u
 }
 
-/// The motions that nothing holds in the state that was evaluated last, a sentence for each body: neither
-/// prescribed displacements, nor the points of interfaces at which any cohesion is left; points in contact
-/// hold the normal displacement. Collective.
+/// The motions that nothing holds in the state that was evaluated last, a sentence for each body:
+/// neither prescribed displacements, nor the points of interfaces at which any cohesion is left;
+/// points in contact hold the normal displacement. Collective.
 pub fn free_motions(
     comm: &Comm,
     case: &Case,

@@ -1,4 +1,5 @@
-//! Imperfections: what strength and fracture energy of an interface are multiplied by, node by node.
+//! Imperfections: what strength and fracture energy of an interface are multiplied by, node by
+//! node.
 
 use crate::case::Case;
 use crate::mesh::Column;

@@ -36,9 +36,10 @@ pub struct JointLaw {
     pub augmentation: f64,
 }
 
-/// The law at a node: strength, fracture energy and augmentation are those of its interface times the
-/// factor of its imperfection, and the critical jump is the same. With the factor f, its traction at a
-/// jump w is f t(w), so that the traction p = t + f r w is f times that of the interface's law.
+/// The law at a node: strength, fracture energy and augmentation are those of its interface times
+/// the factor of its imperfection, and the critical jump is the same. With the factor f, its
+/// traction at a jump w is f t(w), so that the traction p = t + f r w is f times that of the
+/// interface's law.
 #[derive(Clone, Copy)]
 pub struct NodeLaw<'a> {
     law: &'a dyn InterfaceLaw,
@@ -53,8 +54,8 @@ impl NodeLaw<'_> {
         self.factor * self.interface_augmentation
     }
 
-    /// As [`InterfaceLaw::respond`], `p` with the augmentation of the node and that of the `damping`
-    /// (Pa/m), which adds to the tangent.
+    /// As [`InterfaceLaw::respond`], `p` with the augmentation of the node and that of the
+    /// `damping` (Pa/m), which adds to the tangent.
     pub(super) fn respond(&self, p: Local, damping: f64, history: f64, dim: usize) -> Response {
         let f = self.factor;
         let augmentation = self.interface_augmentation + damping / f;
@@ -93,7 +94,8 @@ impl NodeLaw<'_> {
     }
 }
 
-/// Tractions that hold jumps back: `stiffness` times what a jump is beyond the one of an earlier state.
+/// Tractions that hold jumps back: `stiffness` times what a jump is beyond the one of an earlier
+/// state.
 pub struct Damping {
     /// Pa/m.
     pub stiffness: f64,
@@ -121,8 +123,8 @@ pub struct InterfaceState {
     pub dissipated: Vec<f64>,
     /// Augmented traction at the last accepted state, by displacement component (Pa).
     pub accepted: Vec<[f64; 3]>,
-    /// That from which laws answer linearly in the running step: the accepted one, or where the node
-    /// has opened or closed on the way (Pa).
+    /// That from which laws answer linearly in the running step: the accepted one, or where the
+    /// node has opened or closed on the way (Pa).
     pub(super) base: Vec<[f64; 3]>,
     /// The answers at the last evaluated state.
     pub response: Vec<NodeResponse>,
@@ -130,8 +132,9 @@ pub struct InterfaceState {
     pub lean: f64,
     /// On the way from an unstable state to a stable one.
     pub damping: Option<Damping>,
-    /// Whether what holds has to soften in one state of Newton's method before it breaks in another: where
-    /// a volume of fluid opens an interface, the first correction from sticking overshoots without bound.
+    /// Whether what holds has to soften in one state of Newton's method before it breaks in
+    /// another: where a volume of fluid opens an interface, the first correction from sticking
+    /// overshoots without bound.
     pub is_gradual: bool,
 }
 
@@ -200,8 +203,8 @@ impl InterfaceState {
                 Some(damping) => (damping.stiffness, damping.from[index]),
                 None => (0.0, [0.0; 3]),
             };
-            // The law's own part of the traction is without d (w - from): its p, made with r + d, is
-            // t + r w + d from.
+            // The law's own part of the traction is without d (w - from): its p, made with r + d,
+            // is t + r w + d from.
             let p: [f64; 3] = std::array::from_fn(|c| {
                 self.lean * (traction[c] + augmentation * jump[c]) + damping * from[c]
             });
@@ -222,8 +225,8 @@ impl InterfaceState {
         }
     }
 
-    /// Lets the laws of the nodes that are `marked`, or of all, answer linearly from their base, at the
-    /// state that was evaluated last. Local.
+    /// Lets the laws of the nodes that are `marked`, or of all, answer linearly from their base, at
+    /// the state that was evaluated last. Local.
     pub(super) fn linearise_at_base(&mut self, all: &Discretization, marked: Option<&[bool]>) {
         for index in (0..self.response.len()).filter(|index| marked.is_none_or(|m| m[*index])) {
             let (rows, here) = (&all.secondary[index], self.augmented(all, index));
@@ -245,8 +248,8 @@ impl InterfaceState {
         std::array::from_fn(|c| bulk_traction[c] + r * jump[c])
     }
 
-    /// The largest traction over the strength of its interface, compression left out; 0 where it is no
-    /// more than rounding beside the compression. Collective.
+    /// The largest traction over the strength of its interface, compression left out; 0 where it is
+    /// no more than rounding beside the compression. Collective.
     pub fn share_of_strength(&self, comm: &Comm, all: &Discretization) -> f64 {
         let mut largest = [0.0_f64; 2];
         for (index, response) in self.response.iter().enumerate() {

@@ -15,8 +15,9 @@ pub struct LinearChoice {
     pub options: Vec<(&'static str, &'static str)>,
 }
 
-/// Options of MUMPS: LDL^T, which also serves when softening makes the tangent indefinite. One rank factors the
-/// last part (`icntl_13`): of several together MUMPS does not count the negative pivots.
+/// Options of MUMPS: LDL^T, which also serves when softening makes the tangent indefinite. One rank
+/// factors the last part (`icntl_13`): of several together MUMPS does not count the negative
+/// pivots.
 const MUMPS: &[(&str, &str)] = &[
     ("ksp_type", "preonly"),
     ("pc_type", "cholesky"),
@@ -111,8 +112,8 @@ impl LinearChoice {
         Self::named("mumps", why)
     }
 
-    /// The options of elimination, for where iterations of a matrix with so many `unknowns` lead nowhere;
-    /// none where it would take too much memory. Local.
+    /// The options of elimination, for where iterations of a matrix with so many `unknowns` lead
+    /// nowhere; none where it would take too much memory. Local.
     pub fn elimination(unknowns: u64) -> Option<&'static [(&'static str, &'static str)]> {
         (unknowns as f64 <= MOST_FOR_ELIMINATION).then_some(MUMPS)
     }
@@ -127,8 +128,8 @@ impl LinearChoice {
         Self { preset, why, options: options.unwrap_or_default() }
     }
 
-    /// Geometric multigrid, unless the problem is small or too close to incompressible for point-wise
-    /// smoothing.
+    /// Geometric multigrid, unless the problem is small or too close to incompressible for
+    /// point-wise smoothing.
     fn automatic(case: &Case, column: &Column) -> Self {
         let unknowns = column.nodes() as f64 * column.dim as f64;
         let largest = case.materials.iter().map(|m| m.poisson_ratio).fold(0.0, f64::max);

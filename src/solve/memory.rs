@@ -28,8 +28,8 @@ const POWER: f64 = 0.45;
 /// Rows of second order are fuller.
 const FACTORS_OF_SECOND_ORDER: f64 = 1.25;
 
-/// Flow takes so many bytes per pressure, 2D and 3D, most of them for the multigrid of its block, and for
-/// the vectors of GMRES and earlier corrections so many per displacement.
+/// Flow takes so many bytes per pressure, 2D and 3D, most of them for the multigrid of its block,
+/// and for the vectors of GMRES and earlier corrections so many per displacement.
 const PER_PRESSURE: [f64; 2] = [1100.0, 1600.0];
 const PER_VECTORS: f64 = 275.0;
 

@@ -16,8 +16,8 @@ pub struct Pace {
     first: f64,
     /// Length of the next step (s).
     pub next: f64,
-    /// Change of the pressure of owned nodes in the last step (Pa/s); none before two steps after a jump,
-    /// since the first one has the jump itself in it.
+    /// Change of the pressure of owned nodes in the last step (Pa/s); none before two steps after a
+    /// jump, since the first one has the jump itself in it.
     pub rate: Option<Vec<f64>>,
     /// Whether the next step is the first one after a jump.
     pub is_jump: bool,

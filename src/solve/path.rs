@@ -1,8 +1,8 @@
 //! Path following: all loads are scaled by a factor that follows from a quantity of an interface.
 //!
 //! Each correction solves two systems with the same tangent, one for the out-of-balance forces and
-//! one for a change of the loads, and combines them so that the quantity takes its value (bordering:
-//! the row of the constraint never enters the matrix).
+//! one for a change of the loads, and combines them so that the quantity takes its value
+//! (bordering: the row of the constraint never enters the matrix).
 
 use super::condensed;
 use super::interfaces::InterfaceState;
@@ -225,8 +225,8 @@ impl PathControl {
         correction.iter_mut().zip(&along).for_each(|(y, along)| *y += change * along);
     }
 
-    /// Value and linear answers of the quantity, over all ranks; with `breaks` the dissipation gives
-    /// way to the jumps over the critical one, which grow on beyond rupture. Collective.
+    /// Value and linear answers of the quantity, over all ranks; with `breaks` the dissipation
+    /// gives way to the jumps over the critical one, which grow on beyond rupture. Collective.
     fn sums(
         &self,
         comm: &Comm,

@@ -71,8 +71,8 @@ pub struct Problem<'a> {
     /// The same with the tractions of the interfaces (N): zero where nothing is prescribed, the
     /// reaction of the support elsewhere.
     pub balance: Vec<f64>,
-    /// Displacements of all local nodes that the linear solve does not find: of stuck components whose
-    /// jump is not yet the one that their law asks for (m).
+    /// Displacements of all local nodes that the linear solve does not find: of stuck components
+    /// whose jump is not yet the one that their law asks for (m).
     pub(super) known_jumps: Vec<f64>,
     /// Path following, where the case asks for it.
     pub path: Option<PathControl>,
@@ -85,7 +85,8 @@ pub struct Problem<'a> {
     recycle: Recycle,
     rigid: RigidMotions,
     prediction: Prediction,
-    /// Corrections of the running step in which points have opened or closed before others give way.
+    /// Corrections of the running step in which points have opened or closed before others give
+    /// way.
     turns: usize,
     /// Whether some laws answered from the last accepted state in the last evaluation.
     waits: bool,
@@ -252,8 +253,8 @@ impl<'a> Problem<'a> {
         self.recycle.keep(self.comm, &self.all, correction);
     }
 
-    /// The verdict on the state that was evaluated last, with the residual `f` of the displacements;
-    /// `other` is the error of what else has to hold, over its scale. Collective.
+    /// The verdict on the state that was evaluated last, with the residual `f` of the
+    /// displacements; `other` is the error of what else has to hold, over its scale. Collective.
     pub(super) fn judge(
         &mut self,
         iteration: usize,

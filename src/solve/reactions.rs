@@ -4,10 +4,10 @@ use crate::assembly::Discretization;
 use crate::case::Surface;
 use crate::mesh::Column;
 
-/// The forces of the supports on the bodies over this rank's own nodes (N; in 2D per metre): of each
-/// of the `surfaces` over all its nodes, by component where one is prescribed, whoever prescribes
-/// it, so that a node of two surfaces counts for both; last of all nodes, each once. `force` is
-/// that at a node and component. Local.
+/// The forces of the supports on the bodies over this rank's own nodes (N; in 2D per metre): of
+/// each of the `surfaces` over all its nodes, by component where one is prescribed, whoever
+/// prescribes it, so that a node of two surfaces counts for both; last of all nodes, each once.
+/// `force` is that at a node and component. Local.
 pub fn reactions(
     column: &Column,
     all: &Discretization,

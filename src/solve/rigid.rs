@@ -11,7 +11,8 @@ use crate::assembly::Discretization;
 use crate::comm::Comm;
 use crate::mesh::{Column, axes};
 
-/// The bodies of a column as rigid ones; a group of bodies that interfaces hold together moves as one.
+/// The bodies of a column as rigid ones; a group of bodies that interfaces hold together moves as
+/// one.
 pub struct RigidMotions {
     column: Column,
     /// Position (m) and body of every local node, once they are wanted.

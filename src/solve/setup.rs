@@ -39,8 +39,8 @@ pub struct Model<'a> {
     pub unknowns: u64,
 }
 
-/// Builds the problem of `foundation`, with the solver of `choice`. The meshes of `coarser` are nested
-/// in its mesh, coarsest first; only multigrid uses them. Collective.
+/// Builds the problem of `foundation`, with the solver of `choice`. The meshes of `coarser` are
+/// nested in its mesh, coarsest first; only multigrid uses them. Collective.
 ///
 /// # Errors
 /// `Input` when a formula gives no positive factor; `System` when PETSc fails.
@@ -115,9 +115,9 @@ pub fn build<'a>(
     Ok(Model { stepper, mesh, sides, choice, unknowns: unknowns + pressures })
 }
 
-/// Part of the tolerance of forces that holds. Tolerances are relative to the largest nodal force; of
-/// second order the corners of a face have a sixteenth of the weight of its centre, of first order
-/// a quarter of that of an inner node, and the same force at them is the more traction.
+/// Part of the tolerance of forces that holds. Tolerances are relative to the largest nodal force;
+/// of second order the corners of a face have a sixteenth of the weight of its centre, of first
+/// order a quarter of that of an inner node, and the same force at them is the more traction.
 fn share_of_corners(column: &Column) -> f64 {
     if column.highest_order() == 1 { 1.0 } else { 0.25 }
 }

@@ -1,8 +1,8 @@
 //! Whether an accepted state is stable: the lowest eigenvalue of its tangent.
 //!
-//! Factors tell the number of negative eigenvalues by their pivots. Without factors, and for the mode
-//! itself, the lowest eigenvalue is sought from a vector that is random on the interfaces: a symmetric
-//! one would hide a mode that tilts.
+//! Factors tell the number of negative eigenvalues by their pivots. Without factors, and for the
+//! mode itself, the lowest eigenvalue is sought from a vector that is random on the interfaces: a
+//! symmetric one would hide a mode that tilts.
 
 use super::condensed;
 use super::eigen::{Until, lowest_modes};
@@ -18,8 +18,8 @@ use crate::petsc::TangentAt;
 const BLOCK: u64 = 3;
 /// Energies of interfaces in a mode that differ by less than this part of the largest are the same.
 const SAME_ENERGY: f64 = 1e-2;
-/// Eigenvalues smaller than this part of the stiffness of a cell are rounding: those of bodies that nothing
-/// holds come out with either sign.
+/// Eigenvalues smaller than this part of the stiffness of a cell are rounding: those of bodies that
+/// nothing holds come out with either sign.
 const ROUNDING: f64 = 1e-12;
 
 /// An accepted state that is not stable.
@@ -32,8 +32,8 @@ pub struct Instability {
 }
 
 impl Instability {
-    /// Whether a smaller step may lead to another state: an even state of which a mode that tilts is
-    /// unstable is reached by steps of any size.
+    /// Whether a smaller step may lead to another state: an even state of which a mode that tilts
+    /// is unstable is reached by steps of any size.
     pub fn may_depend_on_the_step(&self) -> bool {
         self.found.mode.is_none_or(|(_, kind)| kind != TILTING)
     }
@@ -79,8 +79,8 @@ impl Stability {
     }
 }
 
-/// Tests the state that was evaluated last, at which `tangent` was set up; `stiffness` is that of a cell
-/// (N/m). Collective.
+/// Tests the state that was evaluated last, at which `tangent` was set up; `stiffness` is that of a
+/// cell (N/m). Collective.
 ///
 /// # Errors
 /// `Numerics` when the tangent cannot be factored again; `System` when PETSc fails.
@@ -116,15 +116,15 @@ pub struct Mode {
     pub displacement: Vec<f64>,
     /// Interface and kind.
     pub kind: (usize, &'static str),
-    /// Minus its energy over the square of its jumps, integrated (Pa/m): the stiffness against jumps
-    /// that would make it stable.
+    /// Minus its energy over the square of its jumps, integrated (Pa/m): the stiffness against
+    /// jumps that would make it stable.
     pub softening: f64,
 }
 
-/// The mode of the lowest eigenvalue of the state that was evaluated last, at which `tangent` was set
-/// up. Its sign, and which of several modes of the same eigenvalue it is, follow from the sum of the
-/// jumps with weights that are random by the names of the nodes: they depend neither on the solver nor
-/// on the number of ranks. Collective.
+/// The mode of the lowest eigenvalue of the state that was evaluated last, at which `tangent` was
+/// set up. Its sign, and which of several modes of the same eigenvalue it is, follow from the sum
+/// of the jumps with weights that are random by the names of the nodes: they depend neither on the
+/// solver nor on the number of ranks. Collective.
 ///
 /// # Errors
 /// `System` when PETSc fails.
@@ -198,8 +198,8 @@ fn displacement(all: &Discretization, state: &InterfaceState, mut vector: Vec<f6
     vector
 }
 
-/// The interface that gives the most energy to a mode, the lowest of equal ones, and what the mode does
-/// there; `mode` holds the displacements of all local nodes. Collective.
+/// The interface that gives the most energy to a mode, the lowest of equal ones, and what the mode
+/// does there; `mode` holds the displacements of all local nodes. Collective.
 fn kind(
     comm: &Comm,
     all: &Discretization,

@@ -21,9 +21,9 @@ pub struct StepState {
     pub step: Option<f64>,
     /// Energies: elastic, dissipated, external (J).
     pub energy: [f64; 3],
-    /// With flow: work of the fluid on the skeleton (J), fluid in, out and stored (kg), and the largest
-    /// nodal magnitude of its balance (m3), length of the next step (s; 0: the first one after a jump,
-    /// negative: the second) and largest pressure (Pa).
+    /// With flow: work of the fluid on the skeleton (J), fluid in, out and stored (kg), and the
+    /// largest nodal magnitude of its balance (m3), length of the next step (s; 0: the first one
+    /// after a jump, negative: the second) and largest pressure (Pa).
     #[serde(default)]
     pub fluid: [f64; 7],
     /// Whether the equilibrium at the start has been found (`initial.equilibrium`).
@@ -90,8 +90,8 @@ pub struct State {
     dim: usize,
     /// What is not a field.
     pub step: StepState,
-    /// By node: displacement (m), then the force of supports and loads (N), by component; with flow the
-    /// pore pressure (Pa) and its rate in the last step (Pa/s), 0 where there is none.
+    /// By node: displacement (m), then the force of supports and loads (N), by component; with flow
+    /// the pore pressure (Pa) and its rate in the last step (Pa/s), 0 where there is none.
     pub nodal: Rows,
     /// By secondary node: history (m), then energy dissipated per area (J/m2).
     pub interface: Rows,
@@ -306,8 +306,8 @@ impl Stepper<'_> {
         Ok(())
     }
 
-    /// Goes on from the pressures among `nodal` rows in slabs; the displacements are those of `self.x`.
-    /// Whether the pressures have done work already is `acts`. Collective.
+    /// Goes on from the pressures among `nodal` rows in slabs; the displacements are those of
+    /// `self.x`. Whether the pressures have done work already is `acts`. Collective.
     fn resume_flow(&mut self, nodal: &Rows, fluid: [f64; 7], acts: bool) -> Result<()> {
         let Some(coupling) = &mut self.coupling else { return Ok(()) };
         let problem = &mut self.problem;

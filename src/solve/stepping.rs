@@ -144,8 +144,8 @@ impl<'a> Stepper<'a> {
     }
 
     /// Solves for the state at `instant`. A step that fails is halved; the instant itself, and the
-    /// times before at which a table bends, are always reached exactly. None after a step that did not
-    /// reach it and took long, where a checkpoint may be due: to be called again. Collective.
+    /// times before at which a table bends, are always reached exactly. None after a step that did
+    /// not reach it and took long, where a checkpoint may be due: to be called again. Collective.
     ///
     /// # Errors
     /// `Numerics` when the smallest step fails, with the reason and the place, and when a rupture
@@ -291,8 +291,8 @@ impl<'a> Stepper<'a> {
         Ok(())
     }
 
-    /// Ends the run at the last accepted state when a signal asks for it, or when another step of the
-    /// length `ahead` would pass the wall-clock limit. Collective.
+    /// Ends the run at the last accepted state when a signal asks for it, or when another step of
+    /// the length `ahead` would pass the wall-clock limit. Collective.
     fn stop_if_asked(&self, ahead: Duration) -> Result<()> {
         match signals::stop(self.problem.comm, ahead) {
             Some(reason) => Err(signals::stopped(reason)),
@@ -300,7 +300,8 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// The porous cells and the pressures of all local nodes of theirs (Pa), computed or known. Local.
+    /// The porous cells and the pressures of all local nodes of theirs (Pa), computed or known.
+    /// Local.
     pub fn pores(&self) -> Option<(&PoreSpace, &[f64])> {
         let computed = self.coupling.as_ref().map(|c| (&*c.flow.space, &c.flow.pressure[..]));
         let known = self.problem.known_pressure.as_ref();
@@ -359,8 +360,8 @@ impl<'a> Stepper<'a> {
         flow.write_prescribed(time, &mut self.x.write()?[displacements..])
     }
 
-    /// Takes a state that was found elsewhere for the accepted one at `time`: `displacement` of owned
-    /// nodes, with the history and energy of the interfaces before it in place. Collective.
+    /// Takes a state that was found elsewhere for the accepted one at `time`: `displacement` of
+    /// owned nodes, with the history and energy of the interfaces before it in place. Collective.
     ///
     /// # Errors
     /// `System` when PETSc fails.

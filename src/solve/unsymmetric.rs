@@ -3,8 +3,8 @@
 //! Beside prescribed components the weights w of a node's components differ, and the tangent of its
 //! forces w_c t_c(jump) is not symmetric. The matrix holds sqrt(w_c w_d) in place of w_c. What that
 //! leaves out has a low rank, and is added to each correction: E y = f with E = S + U is solved by
-//! GMRES with S as the preconditioner, from the answer of S. Without it stiff secants, as where a point
-//! has just begun to soften, make Newton's method turn in circles.
+//! GMRES with S as the preconditioner, from the answer of S. Without it stiff secants, as where a
+//! point has just begun to soften, make Newton's method turn in circles.
 
 use super::condensed;
 use super::interfaces::NodeResponse;
@@ -20,16 +20,16 @@ const MOST: usize = 40;
 /// The part of a correction that may be missing, and the part of what the answer of S lacks.
 const PART: f64 = 1e-10;
 const REDUCTION: f64 = 1e-4;
-/// What is left out of a linear solve may be this part of its right-hand side: the next corrections take
-/// away the rest.
+/// What is left out of a linear solve may be this part of its right-hand side: the next corrections
+/// take away the rest.
 const WEAK: f64 = 0.05;
-/// Where they have not after so many corrections of a solve, the part that may be left out, since stiff
-/// secants make much of little.
+/// Where they have not after so many corrections of a solve, the part that may be left out, since
+/// stiff secants make much of little.
 const MOST_WEAK: usize = 4;
 const NEGLIGIBLE: f64 = 1e-9;
 
-/// The derivative of a node's tractions times weights beyond the symmetric one (N/m); none where there
-/// is nothing.
+/// The derivative of a node's tractions times weights beyond the symmetric one (N/m); none where
+/// there is nothing.
 fn beyond(rows: &JumpRows<u32>, response: &NodeResponse, dim: usize) -> Option<[[f64; 3]; 3]> {
     let weight = |c: usize| rows.rows[c].as_ref().filter(|_| c < dim).map(|row| row.weight);
     let mut any = false;
@@ -90,11 +90,12 @@ impl Problem<'_> {
         force
     }
 
-    /// Makes the answer `y` of the symmetric tangent to a right-hand side of 2-norm `size`, displacements
-    /// first, that of the tangent itself. Whether that made a difference. Collective.
+    /// Makes the answer `y` of the symmetric tangent to a right-hand side of 2-norm `size`,
+    /// displacements first, that of the tangent itself. Whether that made a difference. Collective.
     ///
     /// # Errors
-    /// `System` when PETSc fails. Where a linear solve fails, the answer stays as far as it has come.
+    /// `System` when PETSc fails. Where a linear solve fails, the answer stays as far as it has
+    /// come.
     pub(super) fn add_unsymmetric(
         &self,
         y: &mut [f64],

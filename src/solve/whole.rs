@@ -1,4 +1,5 @@
-//! Displacement and pore pressure eliminated together, as the preconditioner of the coupled problem.
+//! Displacement and pore pressure eliminated together, as the preconditioner of the coupled
+//! problem.
 
 use super::blocks::Block;
 use crate::assembly::{Discretization, PoreSpace, WholeMatrix, WholeValues};

@@ -14,8 +14,8 @@ enum Place {
     Lips(usize),
 }
 
-/// The prescribed pore pressures of a case: those in interfaces that are connected with the pores, then
-/// those of the boundary.
+/// The prescribed pore pressures of a case: those in interfaces that are connected with the pores,
+/// then those of the boundary.
 #[derive(Debug, Clone)]
 pub struct PrescribedPressure {
     /// The column of the pressure nodes.
@@ -74,8 +74,8 @@ impl PrescribedPressure {
         [false, true].iter().any(|upper| self.column.is_on(lip(index, *upper), node))
     }
 
-    /// The interface on whose lip a node lies, and whether that is the upper lip; only of interfaces from
-    /// which fluid flows into the pores.
+    /// The interface on whose lip a node lies, and whether that is the upper lip; only of
+    /// interfaces from which fluid flows into the pores.
     pub fn lip_of(&self, node: u64) -> Option<(usize, bool)> {
         let lips = self.feeding.iter().flat_map(|index| [(*index, false), (*index, true)]);
         lips.into_iter().find(|(index, upper)| self.column.is_on(lip(*index, *upper), node))

@@ -14,8 +14,8 @@ pub(super) struct StudyFile {
     pub title: Option<String>,
     /// The case that is varied; relative to the study file.
     pub base: String,
-    /// What all runs change of it: dotted keys and values, as for --set; a value left empty takes the
-    /// key away.
+    /// What all runs change of it: dotted keys and values, as for --set; a value left empty takes
+    /// the key away.
     #[serde(default)]
     pub set: BTreeMap<String, Json>,
     /// Whether the expectations of the base case hold for its variants.

@@ -94,7 +94,8 @@ pub(super) fn launch(scene: &Scene<'_>, interrupt: &Interrupt) -> Result<(End, f
         command.args(["--set", assignment]);
     }
     command.arg("--output").arg(scene.output).args(["--overwrite", "--quiet"]);
-    // In a group of its own, which can be ended as a whole, and which the terminal does not interrupt.
+    // In a group of its own, which can be ended as a whole, and which the terminal does not
+    // interrupt.
     command.envs(environment()).process_group(0);
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(file);
     let start = Instant::now();

@@ -37,7 +37,8 @@ impl Row {
     }
 }
 
-/// Everything that is measured, one row for each run of the plan; `runs` is the directory of the runs'.
+/// Everything that is measured, one row for each run of the plan; `runs` is the directory of the
+/// runs'.
 pub(super) fn rows(study: &Study, plan: &Plan, records: &[Record], runs: &Path) -> Vec<Row> {
     let tables: Vec<Option<Table>> = plan
         .runs

@@ -1,7 +1,7 @@
 //! Studies: a family of cases, run one after the other, measured and charted.
 //!
-//! A study process is serial: it starts neither MPI nor PETSc, and launches every run as a process of
-//! its own.
+//! A study process is serial: it starts neither MPI nor PETSc, and launches every run as a process
+//! of its own.
 
 pub(crate) mod chart;
 mod charts;
@@ -59,12 +59,13 @@ pub struct Request {
     pub charts_only: bool,
 }
 
-/// Carries out a study: runs what is not finished, and writes tables, charts and the page. Local; needs
-/// no MPI. Progress goes to the log, one line for each run.
+/// Carries out a study: runs what is not finished, and writes tables, charts and the page. Local;
+/// needs no MPI. Progress goes to the log, one line for each run.
 ///
 /// # Errors
-/// `Input` when study or case are wrong, or the directory holds other things; `System` when something
-/// cannot be written or launched; `Stopped` when it was interrupted. A run that fails is a result.
+/// `Input` when study or case are wrong, or the directory holds other things; `System` when
+/// something cannot be written or launched; `Stopped` when it was interrupted. A run that fails is
+/// a result.
 pub fn run(request: &Request) -> Result<()> {
     let study = Study::read(&request.study)?;
     let version = version();

@@ -137,8 +137,8 @@ impl Record {
         atomic::write_text(&directory.join(RECORD), &(text + "\n"))
     }
 
-    /// Whether nothing is left to launch. A failure is not tried again, but a launch that ran out of
-    /// time is where it is given more.
+    /// Whether nothing is left to launch. A failure is not tried again, but a launch that ran out
+    /// of time is where it is given more.
     pub fn is_finished(&self, repeats: usize, limit: Duration) -> bool {
         match self.launches.last() {
             Some(last) if last.status == Ended::TimeLimit => {
@@ -208,7 +208,8 @@ fn status_of(end: &End, reported: bool) -> Ended {
     }
 }
 
-/// The messages of the program without the word before them; all that was said where there are none.
+/// The messages of the program without the word before them; all that was said where there are
+/// none.
 fn plain(said: &str) -> String {
     let own: Vec<&str> = said.lines().filter_map(|line| line.strip_prefix("error: ")).collect();
     if own.is_empty() { said.trim().to_owned() } else { own.join("\n") }

@@ -1,4 +1,5 @@
-//! Branches of perfect structures: followed from an unstable state, and selected by an imperfection.
+//! Branches of perfect structures: followed from an unstable state, and selected by an
+//! imperfection.
 
 use crate::scene::{Run, Scene};
 
@@ -32,8 +33,8 @@ time: {{instants: [0.5, 1, 1.5]}}
 
 const PULL: f64 = 1.4e-3;
 
-/// A column on the side of which its interface gives way: taller than what an even opening is stable
-/// up to, shorter than what snaps back. Pulled 1e-5 m past the peak.
+/// A column on the side of which its interface gives way: taller than what an even opening is
+/// stable up to, shorter than what snaps back. Pulled 1e-5 m past the peak.
 fn column(layers: usize) -> Scene {
     let yaml = format!(
         "
@@ -153,8 +154,8 @@ fn multigrid_follows_on_more_ranks() {
 
 #[test]
 fn an_imperfection_selects_the_weaker_interface() {
-    // On 3 ranks the coarsest lattice is a finer one, and takes ten times as long: two equal interfaces
-    // have it above.
+    // On 3 ranks the coarsest lattice is a finer one, and takes ten times as long: two equal
+    // interfaces have it above.
     for (weak, whole, levels) in [("lower", "upper", 1), ("upper", "lower", 2)] {
         let imperfect =
             |cells: &str| two(cells, STRENGTH).set(&imperfection(weak, "0.999")).in_any_steps();
@@ -210,8 +211,8 @@ fn a_column_that_is_too_tall_is_followed_to_one_side() {
     }
 }
 
-/// The branch is left where it forks, right after the peak at 0.9938, and then kept: it is the one that
-/// a step far past the peak is followed to.
+/// The branch is left where it forks, right after the peak at 0.9938, and then kept: it is the one
+/// that a step far past the peak is followed to.
 #[test]
 fn a_branch_is_kept_from_instant_to_instant() {
     let traction = |run: &Run| run.column("joint.normal_traction.mean");

@@ -12,8 +12,8 @@ use crate::scene::Scene;
 /// Half the height of the column (m).
 const LENGTH: f64 = 2.5;
 
-/// The linear theory of a layer whose sides are at two pressures from the start (H. Carslaw, J. Jaeger,
-/// Conduction of Heat in Solids, 1959, section 3.3).
+/// The linear theory of a layer whose sides are at two pressures from the start (H. Carslaw, J.
+/// Jaeger, Conduction of Heat in Solids, 1959, section 3.3).
 struct Layer {
     /// Pressure in the interface (Pa).
     pressure: f64,
@@ -95,8 +95,8 @@ fn an_interface_under_pressure_feeds_both_sides() {
     }
 }
 
-/// Steps are as short as their error asks for along the shortest edge of cells of 1 m x 6 cm: early, when
-/// steps as the longest edge would have them leave an error of 5e-3.
+/// Steps are as short as their error asks for along the shortest edge of cells of 1 m x 6 cm:
+/// early, when steps as the longest edge would have them leave an error of 5e-3.
 #[test]
 fn the_tolerance_of_the_time_holds_in_slender_cells() {
     let run = Scene::shipped("wtnv147/transient.yaml")

@@ -3,7 +3,8 @@
 use crate::flow;
 use crate::scene::{Run, Scene};
 
-/// A sealed bar of 10 m between smooth walls with a pressure of 1 MPa in its pores, free at the top.
+/// A sealed bar of 10 m between smooth walls with a pressure of 1 MPa in its pores, free at the
+/// top.
 const SWOLLEN: &str = "
 mesh: {column: {size: [2, 10], cells: [2, 4]}}
 materials:

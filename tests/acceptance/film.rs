@@ -39,7 +39,8 @@ fn rate(run: &Run) -> f64 {
     (mass[2] - mass[1]) / 1000.0 / 1000.0
 }
 
-/// Between parallel plates the flow is rho w^3/(12 mu) dp/L, and the pressure is linear; the rock adds k/mu.
+/// Between parallel plates the flow is rho w^3/(12 mu) dp/L, and the pressure is linear; the rock
+/// adds k/mu.
 #[test]
 fn between_parallel_plates_the_cubic_law_holds() {
     let flat = Scene::new("plates", PLATES);
@@ -60,7 +61,8 @@ fn between_parallel_plates_the_cubic_law_holds() {
     }
 }
 
-/// Between tilted plates q = dp/(12 mu) over the integral of 1/w^3, with the second order of the cells.
+/// Between tilted plates q = dp/(12 mu) over the integral of 1/w^3, with the second order of the
+/// cells.
 #[test]
 fn between_tilted_plates_the_flow_converges() {
     let exact = 100.0 / (12e-3 * 0.75e12) + 1e-13 * 100.0 / 2.0;
@@ -79,8 +81,9 @@ fn between_tilted_plates_the_flow_converges() {
     }
 }
 
-/// Fluid that is pressed into an interface between rocks that take up next to nothing holds the lips apart by
-/// what was injected, w = m/rho; the law and the column give its pressure, p = t(w) + E w/L.
+/// Fluid that is pressed into an interface between rocks that take up next to nothing holds the
+/// lips apart by what was injected, w = m/rho; the law and the column give its pressure, p = t(w) +
+/// E w/L.
 #[test]
 fn what_is_injected_between_rocks_that_store_nothing_opens_the_interface() {
     let flat = Scene::new(
@@ -206,8 +209,8 @@ fn an_injection_goes_on_on_other_ranks() {
     assert_close(&whole, &scene.stopped(2, "history:0:term:2", 3), 1e-8);
 }
 
-/// Where branches change at instants, the work of the fluid is what is stored and dissipated; inside a step its
-/// trapezoids cut the corner between sticking and softening.
+/// Where branches change at instants, the work of the fluid is what is stored and dissipated;
+/// inside a step its trapezoids cut the corner between sticking and softening.
 #[test]
 fn the_energy_of_an_injection_balances() {
     let scene = Scene::new(

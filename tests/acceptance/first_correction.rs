@@ -101,8 +101,8 @@ fn fluid_and_loads_act_together() {
     }
 }
 
-/// A contact that opens relieves a joint in series with it, which would break if it stayed closed: with
-/// every solver, in one step.
+/// A contact that opens relieves a joint in series with it, which would break if it stayed closed:
+/// with every solver, in one step.
 #[test]
 fn a_contact_that_opens_spares_a_joint() {
     let joint = joint("joint", 1.0, 1.0e6, "upper");
@@ -145,8 +145,8 @@ fn a_contact_opens_from_rest() {
     assert_value(&run, "j.normal_traction.mean", -5.8e9 * 5.0e-5 / 4.0, 7.25e4);
 }
 
-/// A law whose traction depends on the length of the steps: where it presses open lips together steps
-/// are cut, and what is left of it is told once.
+/// A law whose traction depends on the length of the steps: where it presses open lips together
+/// steps are cut, and what is left of it is told once.
 #[test]
 fn steps_that_press_open_lips_are_cut() {
     let yaml = "
@@ -176,8 +176,9 @@ time: {instants: [0.5, 1, 1.5]}
     assert!((coarse / fine - 1.0).abs() < 0.05, "dissipated {coarse} J, in finer steps {fine} J");
 }
 
-/// Beside prescribed components the tangent is not symmetric: points that begin to soften there, under
-/// tension and shear, need all of it. The condensed form makes the corrections of the saddle point.
+/// Beside prescribed components the tangent is not symmetric: points that begin to soften there,
+/// under tension and shear, need all of it. The condensed form makes the corrections of the saddle
+/// point.
 #[test]
 fn points_beside_held_ones_soften() {
     let yaml = "
@@ -210,8 +211,8 @@ time: {instants: [1, 2, 3]}
     }
 }
 
-/// As before, in 3D with unlike meshes and a contact in series: what is not symmetric is little beside
-/// the forces, and stiff secants make much of it.
+/// As before, in 3D with unlike meshes and a contact in series: what is not symmetric is little
+/// beside the forces, and stiff secants make much of it.
 #[test]
 fn points_beside_held_ones_soften_above_a_contact() {
     let yaml = "
@@ -242,8 +243,8 @@ time: {instants: [1, 2, 3]}
     }
 }
 
-/// An intrinsic law opens from rest before anything gives way: in one step far past all strengths the
-/// weakest of three joints still softens alone.
+/// An intrinsic law opens from rest before anything gives way: in one step far past all strengths
+/// the weakest of three joints still softens alone.
 #[test]
 fn an_intrinsic_joint_opens_before_others_soften() {
     let yaml = "

@@ -8,7 +8,8 @@ pub fn last(run: &Run, name: &str) -> f64 {
     *run.column(name).last().expect("an instant")
 }
 
-/// Every column but iterations, relative to its largest value or to the size that such a quantity has.
+/// Every column but iterations, relative to its largest value or to the size that such a quantity
+/// has.
 pub fn assert_close(one: &Run, run: &Run, tolerance: f64) {
     for name in one.table.columns.iter().filter(|name| !name.contains("iterations")) {
         let scale = one.column(name).iter().fold(0.0_f64, |m, v| m.max(v.abs()));
@@ -26,8 +27,8 @@ pub fn assert_close(one: &Run, run: &Run, tolerance: f64) {
     }
 }
 
-/// Displacements that are large beside the volumes that flow: the balance of the fluid is known to fewer
-/// digits than a hundredth of the tolerance.
+/// Displacements that are large beside the volumes that flow: the balance of the fluid is known to
+/// fewer digits than a hundredth of the tolerance.
 #[test]
 fn a_small_tolerance_is_met_as_far_as_rounding_allows() {
     let yaml = "
@@ -117,8 +118,8 @@ fn terzaghi() {
     assert!(missed.screen.contains("oscillates with cells of second order"), "{}", missed.screen);
 }
 
-/// The pressure at the end converges with the second order of the cells, on an average: errors of the
-/// time are a part of those of the last level.
+/// The pressure at the end converges with the second order of the cells, on an average: errors of
+/// the time are a part of those of the last level.
 #[test]
 fn terzaghi_converges() {
     let error = |cells: usize| {
@@ -171,8 +172,8 @@ materials:
              fluid_compressibility: 4.5e-10, fluid_density: 1000, density: 2500}
 ";
 
-/// Fluid that is pressed into a cohesive interface opens it and flows into porous rock of two kinds, with
-/// gravity and a flux through one side.
+/// Fluid that is pressed into a cohesive interface opens it and flows into porous rock of two
+/// kinds, with gravity and a flux through one side.
 const DRIVEN: &str = "
 mesh: {column: {size: [1, 1, 4], bodies: [{cells: [2, 2, 4]}, {cells: [3, 3, 5]}]}}
 interfaces:
@@ -212,10 +213,10 @@ fn the_fluid_of_a_driven_interface_balances_on_any_ranks() {
     }
 }
 
-/// External work and that of the fluid are trapezoidal between accepted states: exact on the line along
-/// which a node unloads, nearly so along the one on which it softens, and where it gives way with an error
-/// that falls with the square of the step. All nodes give way before 75 s, soften to 100 s, where the
-/// pressure turns, and unload.
+/// External work and that of the fluid are trapezoidal between accepted states: exact on the line
+/// along which a node unloads, nearly so along the one on which it softens, and where it gives way
+/// with an error that falls with the square of the step. All nodes give way before 75 s, soften to
+/// 100 s, where the pressure turns, and unload.
 #[test]
 fn the_work_on_a_driven_interface_is_that_of_its_branches() {
     let gaps = |steps: usize| {
@@ -306,9 +307,9 @@ const STEPS: [(&str, &str); 11] = [
     ("1", "1.0e-5"),
 ];
 
-/// Iterations do not grow with the mesh; with the step and the permeability they stay between those of
-/// the two limits, the drained one, where the mechanical block alone counts, and the undrained one,
-/// where the fixed-stress approximation does.
+/// Iterations do not grow with the mesh; with the step and the permeability they stay between those
+/// of the two limits, the drained one, where the mechanical block alone counts, and the undrained
+/// one, where the fixed-stress approximation does.
 fn sweep(order: usize, meshes: &[usize], bounds: [f64; 2]) {
     let mut all = Vec::new();
     for (step, permeability) in STEPS {
@@ -348,8 +349,8 @@ fn linear_iterations_become_fewer_where_steps_are_alike() {
     }
 }
 
-/// Elimination takes both fields together: what it leaves out depends on the state and is small. Also
-/// where an interface opens, on any number of ranks.
+/// Elimination takes both fields together: what it leaves out depends on the state and is small.
+/// Also where an interface opens, on any number of ranks.
 #[test]
 fn elimination_takes_both_fields_together() {
     for (order, step) in [(1, "1.0e-6"), (2, "1.0e-6"), (1, "1"), (2, "1.0e8")] {

@@ -56,8 +56,9 @@ fn errors(run: &Run, steps: usize, end: f64) -> [f64; 2] {
     sums.map(|[error, exact]| f64::sqrt(error / exact))
 }
 
-/// Cells of both orders with steps whose error is a part of those of the last level. The displacement
-/// follows the pressure, whose error is of second order in any norm; see the next test.
+/// Cells of both orders with steps whose error is a part of those of the last level. The
+/// displacement follows the pressure, whose error is of second order in any norm; see the next
+/// test.
 #[test]
 fn in_space() {
     let (steps, end) = (4, 0.1);
@@ -71,8 +72,9 @@ fn in_space() {
     }
 }
 
-/// The displacement alone: with nodal values that make the initial pressure the best one in L2, whose
-/// error is of higher order as a load, the displacements of the start converge with third order.
+/// The displacement alone: with nodal values that make the initial pressure the best one in L2,
+/// whose error is of higher order as a load, the displacements of the start converge with third
+/// order.
 #[test]
 fn of_the_equilibrium_at_the_start() {
     let end = 1e-9;

@@ -107,8 +107,8 @@ fn random_kills(count: u64) {
             assert!(Instant::now() < end, "kill {number}: a rank is left after 10 s");
             sleep(Duration::from_millis(20));
         }
-        // Where a rank is killed while it starts, Open MPI's launcher can wait for ever for one that
-        // is gone.
+        // Where a rank is killed while it starts, Open MPI's launcher can wait for ever for one
+        // that is gone.
         while Instant::now() < end && matches!(launcher.try_wait(), Ok(None)) {
             sleep(Duration::from_millis(20));
         }

@@ -14,8 +14,8 @@ const FORCE: f64 = 1.0e4;
 const WIDTH: f64 = 1.0;
 const HEIGHT: f64 = 0.5;
 
-/// The series of J. Mandel, as A. Cheng and E. Detournay write them (Int. J. Numer. Anal. Methods Geomech. 12,
-/// 1988).
+/// The series of J. Mandel, as A. Cheng and E. Detournay write them (Int. J. Numer. Anal. Methods
+/// Geomech. 12, 1988).
 struct Series {
     /// Shear modulus (Pa).
     shear: f64,

@@ -122,7 +122,8 @@ impl Body {
 /// Lower and upper body, and the traction between them.
 pub struct Manufactured {
     pub dim: usize,
-    /// Whether the left side is held by prescribed displacements, the edge of the interface included.
+    /// Whether the left side is held by prescribed displacements, the edge of the interface
+    /// included.
     holds_left: bool,
     bodies: [Body; 2],
     traction: [Wave; 3],

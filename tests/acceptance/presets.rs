@@ -1,5 +1,5 @@
-//! Linear solvers where they have a hard time: tangents that turn indefinite, on any number of ranks; every
-//! shipped case with every preset.
+//! Linear solvers where they have a hard time: tangents that turn indefinite, on any number of
+//! ranks; every shipped case with every preset.
 
 use std::fs;
 use std::path::Path;
@@ -56,8 +56,8 @@ fn a_tangent_that_turns_indefinite_is_solved_on_any_number_of_ranks() {
     }
 }
 
-/// On a fine mesh half of the points soften steeply: algebraic multigrid is made of a tangent in which they
-/// stiffen.
+/// On a fine mesh half of the points soften steeply: algebraic multigrid is made of a tangent in
+/// which they stiffen.
 #[test]
 fn a_joint_that_softens_steeply_is_no_matter_for_algebraic_multigrid() {
     let scene = |linear: &str| {
@@ -123,8 +123,8 @@ fn pivots_are_counted_on_any_number_of_ranks() {
     assert!(found[0].contains("has a negative eigenvalue"), "{found:?}");
 }
 
-/// Both interfaces broken, the block between them is free, wherever a solver leaves it; where one still
-/// holds in some points, it holds.
+/// Both interfaces broken, the block between them is free, wherever a solver leaves it; where one
+/// still holds in some points, it holds.
 #[test]
 fn a_block_that_nothing_holds_is_told_by_every_solver() {
     let scene = Scene::shipped("stability/two_equal_interfaces.yaml")
@@ -184,8 +184,8 @@ fn shipped() -> Vec<String> {
 fn wrong(case: &str, preset: &str, ranks: usize) -> Option<String> {
     let mut scene = Scene::shipped(case).set(&format!("solver.linear={preset}")).in_any_steps();
     if preset != "mumps" {
-        // The cases ask for digits of tractions that have fallen to a twentieth, the patch for 12; the
-        // tolerance is one of the largest forces, which an iterative solver uses up.
+        // The cases ask for digits of tractions that have fallen to a twentieth, the patch for 12;
+        // the tolerance is one of the largest forces, which an iterative solver uses up.
         let digits = if case.starts_with("patch_bulk") { "1.0e-12" } else { "1.0e-10" };
         scene = scene.set(&format!("solver.tolerance={digits}"));
     }

@@ -85,7 +85,8 @@ fn tilting_of_second_order() -> Scene {
     tilting().set("mesh.order=2").set("mesh.column.cells=[3, 3, 12]")
 }
 
-// Two columns share out the solvers and the numbers of ranks; of second order each solver has two of them again.
+// Two columns share out the solvers and the numbers of ranks; of second order each solver has two
+// of them again.
 
 #[test]
 fn column_with_lateral_contraction() {
@@ -165,7 +166,8 @@ const ALMOST_MATCHING: &str = "bodies: [{cells: [11, 11, 2]}, {cells: [12, 12, 2
 const SECOND_ON_FIRST: &str = "bodies: [{cells: [5, 5, 1], order: 2}, {cells: [9, 9, 2]}]";
 const SECOND: &str = "bodies: [{cells: [5, 5, 1], order: 2}, {cells: [6, 6, 1], order: 2}]";
 
-// Every number of ranks once, and those that do not match on two each: they share what depends on it.
+// Every number of ranks once, and those that do not match on two each: they share what depends on
+// it.
 
 #[test]
 fn matching_block_with_a_scattered_partition() {

@@ -30,8 +30,9 @@ fn check(run: &Run, exact: &[(&str, f64)], largest: f64) {
     }
 }
 
-/// Pressed by a traction, which spreads sideways; the nodes of a wall that the bottom holds count for the
-/// wall too, with as much of the bottom as the cells give them. A smaller model has other cells.
+/// Pressed by a traction, which spreads sideways; the nodes of a wall that the bottom holds count
+/// for the wall too, with as much of the bottom as the cells give them. A smaller model has other
+/// cells.
 #[test]
 fn a_wall_counts_the_nodes_that_the_bottom_holds() {
     let [x, y, z] = [2.0, 1.5, 4.0];
@@ -94,8 +95,8 @@ fn a_smaller_model_tells_the_reactions_of_the_one_asked_for() {
     full.assert_same(&reduced, 1e-8);
 }
 
-/// Along a path in 2D, stopped and gone on with: the walls hold what follows from the traction of the
-/// joint at every row.
+/// Along a path in 2D, stopped and gone on with: the walls hold what follows from the traction of
+/// the joint at every row.
 #[test]
 fn walls_in_2d_along_a_path() {
     let (x, z) = (1.0, 20.0);

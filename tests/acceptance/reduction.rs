@@ -1,4 +1,5 @@
-//! Smaller models in the place of the one asked for: the same results, and a bound of the difference.
+//! Smaller models in the place of the one asked for: the same results, and a bound of the
+//! difference.
 
 use crate::grid;
 use crate::scene::{Run, Scene, fresh};
@@ -41,7 +42,8 @@ fn certificate(run: &Run, number: &str) -> f64 {
     run.report["reduction"][number].as_f64().unwrap_or_else(|| panic!("{}: {number}", run.label))
 }
 
-/// The model asked for and the smaller one in its place, which is solved; the first one is returned.
+/// The model asked for and the smaller one in its place, which is solved; the first one is
+/// returned.
 fn same(scene: &Scene, ranks: usize, unknowns: f64) -> Run {
     // As far as rounding lets the model asked for be solved.
     let full = scene.set("solver.tolerance=1e-11").in_any_steps().on(ranks);

@@ -17,8 +17,8 @@ const TRACTION: [f64; 8] = [
 /// Large enough for multigrid on any number of ranks.
 const LARGE: &str = "[8, 8, 40]";
 
-/// The pairs of a solver, by its place in the list, and a number of ranks that are run: two meshes of
-/// a kind share them out.
+/// The pairs of a solver, by its place in the list, and a number of ranks that are run: two meshes
+/// of a kind share them out.
 type Pairs = fn(usize) -> bool;
 const EVEN: Pairs = |sum| sum % 2 == 0;
 const ODD: Pairs = |sum| sum % 2 == 1;

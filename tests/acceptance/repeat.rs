@@ -22,7 +22,8 @@ probes: [{name: off_axis, at: [0.21, 0.83, 3.1]}]
     Scene::new("repeated", yaml).in_any_steps()
 }
 
-/// Each rank factorises the whole matrix: several together would add in the order in which messages come.
+/// Each rank factorises the whole matrix: several together would add in the order in which messages
+/// come.
 const ALONE: &str =
     "-pc_type redundant -redundant_pc_type cholesky -redundant_pc_factor_mat_solver_type mumps";
 /// The same for the coarsest level of multigrid.
@@ -60,8 +61,8 @@ fn a_run_repeated_on_the_same_ranks_gives_the_same_bits() {
     }
 }
 
-/// MUMPS adds what comes from several ranks in the order in which it comes, also on the coarsest level of
-/// multigrid; GAMG is not the same twice either.
+/// MUMPS adds what comes from several ranks in the order in which it comes, also on the coarsest
+/// level of multigrid; GAMG is not the same twice either.
 #[test]
 fn a_run_repeated_with_elimination_on_several_ranks_differs_by_rounding() {
     for (solver, tolerance) in [("mumps", 1e-11), ("gamg", 1e-9), ("multigrid", 1e-9)] {

@@ -185,7 +185,8 @@ fn usr1_writes_a_checkpoint_and_goes_on() {
         reference().launch(3, &elsewhere, "", &["--restart", &file.to_string_lossy(), "--verbose"]);
     assert_eq!(status(&output), Some(0), "{}", complaint(&output));
     let screen = String::from_utf8_lossy(&output.stdout).into_owned();
-    // On a busy machine the corrections are slow, and a later checkpoint may have been written ahead.
+    // On a busy machine the corrections are slow, and a later checkpoint may have been written
+    // ahead.
     let time = screen.split("at time ").nth(1).and_then(|rest| rest.split(',').next());
     let time = time.and_then(|time| time.parse::<f64>().ok());
     assert!(time.is_some_and(|time| time >= 3.0), "{screen}");

@@ -40,7 +40,8 @@ fn every_shipped_case_stopped_after_its_first_instant() {
         let case = Case::read(&text, file, &[]).expect("a case");
         let name = file.strip_prefix(&root).expect("a shipped case").to_string_lossy().into_owned();
         let mut scene = Scene::shipped(&name).set("expect=[]").in_any_steps();
-        // A few instants tell as much as all; where the case has one, there is another half-way to it.
+        // A few instants tell as much as all; where the case has one, there is another half-way to
+        // it.
         let mut times = case.time.clone();
         times.truncate(3);
         if let [only] = times[..] {
@@ -88,7 +89,8 @@ fn field(directory: &Path, name: &str, step: usize, array: &str) -> Vec<[[f64; 3
     rows
 }
 
-/// Whatever an interface is called, its files and the grids that restarts write are files of their own.
+/// Whatever an interface is called, its files and the grids that restarts write are files of their
+/// own.
 #[test]
 fn interfaces_named_like_files_of_fields() {
     let scene = |names: [&str; 3]| {

@@ -91,8 +91,8 @@ fn accepted(directory: &Path) -> u64 {
     meta["accepted"].as_u64().expect("a number")
 }
 
-/// Each correction takes longer than the launcher gives, and no rank can ask in the middle of it: the
-/// checkpoint is there before.
+/// Each correction takes longer than the launcher gives, and no rank can ask in the middle of it:
+/// the checkpoint is there before.
 #[test]
 fn a_step_that_nothing_interrupts_costs_no_more_than_itself() {
     let (scene, whole) = unbroken(reference());
@@ -132,7 +132,8 @@ fn a_long_step_ends_in_the_middle() {
     }
 }
 
-/// What a shell does with ctrl-Z and `fg`, and what a batch system does with a job that it suspends.
+/// What a shell does with ctrl-Z and `fg`, and what a batch system does with a job that it
+/// suspends.
 #[test]
 fn a_run_that_was_suspended_goes_on() {
     let scene = reference().set("time.instants=[1, 2, 3]");

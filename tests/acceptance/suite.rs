@@ -1,6 +1,6 @@
-//! Where methods fail: the cases of `cases/stability` and their families. Each experiment states the
-//! signature of the method that fails and of the one that does not; `scripts/stability.sh` makes
-//! docs/stability.md of the numbers that are printed here.
+//! Where methods fail: the cases of `cases/stability` and their families. Each experiment states
+//! the signature of the method that fails and of the one that does not; `scripts/stability.sh`
+//! makes docs/stability.md of the numbers that are printed here.
 
 #![allow(clippy::print_stdout)] // the numbers, with --nocapture
 
@@ -46,8 +46,8 @@ fn near(label: &str, found: f64, exact: f64, absolute: f64) {
     assert!((found - exact).abs() <= absolute, "{label}: {found:e} for {exact:e}");
 }
 
-/// Every base case meets its expectations, and gives the same on other numbers of ranks; where it is
-/// not unique, and only there, this is reported, and on every number.
+/// Every base case meets its expectations, and gives the same on other numbers of ranks; where it
+/// is not unique, and only there, this is reported, and on every number.
 #[test]
 fn every_base_case_on_other_numbers_of_ranks() {
     base_cases(|number, name| match name {

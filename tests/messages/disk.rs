@@ -92,8 +92,8 @@ fn files_that_may_not_grow_end_the_run_and_it_goes_on_with_room() {
     }
 }
 
-/// Room for a file is made before it is written; where the disk fails all the same, the libraries have
-/// words of their own.
+/// Room for a file is made before it is written; where the disk fails all the same, the libraries
+/// have words of their own.
 #[test]
 fn a_disk_that_fails_in_the_middle_of_a_file_ends_the_run() {
     for (ranks, fault) in
@@ -163,8 +163,8 @@ fn a_directory_that_goes_away_in_the_middle_ends_the_run() {
     goes_on(&folder, 3);
 }
 
-/// What was damaged is repaired: the run goes on from its checkpoint, and writes the fields from the
-/// instant `from` on.
+/// What was damaged is repaired: the run goes on from its checkpoint, and writes the fields from
+/// the instant `from` on.
 fn goes_on(folder: &Folder, from: usize) {
     let again = run(folder, (3, 3), "", &["--restart", "latest"], || {});
     assert_eq!((again.status, again.stderr.as_str()), (Some(0), ""), "{again:?}");
@@ -178,7 +178,8 @@ fn goes_on(folder: &Folder, from: usize) {
 /// Instants of the run on a small disk.
 const MANY: usize = 40;
 
-/// What happens to a small file system of its own, mounted at `disk`; `$RUN` runs the program there.
+/// What happens to a small file system of its own, mounted at `disk`; `$RUN` runs the program
+/// there.
 fn on_a_small_disk(folder: &Folder, kilobytes: usize, script: &str) -> Output {
     let run = format!(
         "timeout -k 5 60 mpirun -n 2 --quiet {PROGRAM} case.yaml --output disk/out --quiet --set '{}'",

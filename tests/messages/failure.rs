@@ -1,5 +1,5 @@
-//! A launcher that is ended or killed: the whole run ends soon, and every file under its final name is
-//! complete. `matrix` has what happens to the ranks themselves.
+//! A launcher that is ended or killed: the whole run ends soon, and every file under its final name
+//! is complete. `matrix` has what happens to the ranks themselves.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;

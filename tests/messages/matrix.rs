@@ -1,5 +1,5 @@
-//! Every phase of a run x every rank x every kind of failure: the run ends soon with its status and one
-//! message, and what is on disk is whole and that of an unbroken run.
+//! Every phase of a run x every rank x every kind of failure: the run ends soon with its status and
+//! one message, and what is on disk is whole and that of an unbroken run.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -107,8 +107,8 @@ fn faults(all: bool) -> Vec<Fault> {
     found
 }
 
-/// The numbers in the files of a run, by the name of a file: those of a checkpoint under the number of
-/// its instant.
+/// The numbers in the files of a run, by the name of a file: those of a checkpoint under the number
+/// of its instant.
 pub type Contents = BTreeMap<String, Vec<Vec<f64>>>;
 
 /// Reads every file under a final name to its end.

@@ -156,7 +156,8 @@ fn end_badly(runtime: Runtime, way: &str) {
         match way {
             "panics" => panic!("on purpose"),
             "aborts" => column_hpc::comm::abort(7, "the file system is gone"),
-            // PETSc fails here, while the others wait for this rank in a collective call, or meet it.
+            // PETSc fails here, while the others wait for this rank in a collective call, or meet
+            // it.
             "doubts" | "doubts and meets" => {
                 let _ = runtime.petsc.set_option("ksp_type", "nonsense");
             }

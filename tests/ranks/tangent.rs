@@ -18,8 +18,8 @@ use column_hpc::timers::Timers;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Largest step of a node (m): small against the least jumps, about 1e-6 m, near which the direction
-/// of the traction turns fastest.
+/// Largest step of a node (m): small against the least jumps, about 1e-6 m, near which the
+/// direction of the traction turns fastest.
 const STEP: f64 = 1e-10;
 
 /// The top tilts and slides more and more, comes back, is pressed down, and goes far.

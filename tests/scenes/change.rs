@@ -1,4 +1,5 @@
-//! Changes that must not matter: what becomes of a case, and of the names and values of its results.
+//! Changes that must not matter: what becomes of a case, and of the names and values of its
+//! results.
 
 use crate::case::{AXES, Case, Control, Entry, Face, Field, Fluid, Law, face_name};
 

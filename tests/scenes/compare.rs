@@ -1,4 +1,5 @@
-//! Two runs, or a run and exact values, within what the test of convergence and rounding leave open.
+//! Two runs, or a run and exact values, within what the test of convergence and rounding leave
+//! open.
 
 use crate::build::Built;
 use crate::change::{Change, Kind};
@@ -7,8 +8,9 @@ use crate::launch::{Place, Run};
 use std::fs;
 use std::path::Path;
 
-/// How much larger errors of displacements and tractions may be than the forces out of balance: some
-/// ten cells in a row, moduli that differ by up to 50, softening that leaves a half of the stiffness.
+/// How much larger errors of displacements and tractions may be than the forces out of balance:
+/// some ten cells in a row, moduli that differ by up to 50, softening that leaves a half of the
+/// stiffness.
 const AMPLIFICATION: f64 = 1e3;
 
 /// Errors that are allowed: a part of the largest value of the kind in both runs, or of what the

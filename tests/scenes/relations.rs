@@ -320,8 +320,8 @@ pub fn pair(relation: Relation, scene: &Scene, built: &Built) -> Option<Pair> {
     }
 }
 
-/// The states of an even column depend on the turns of its loads alone; where some act from the start,
-/// and what grows relieves them, on the first step too.
+/// The states of an even column depend on the turns of its loads alone; where some act from the
+/// start, and what grows relieves them, on the first step too.
 fn halves(built: &Built) -> Option<Pair> {
     let bars = built.bars.as_ref()?;
     if bars.pressures.iter().any(|p| *p != 0.0) || bars.force != 0.0 {
@@ -353,7 +353,8 @@ fn opening(scene: &Scene, built: &Built) -> Option<Pair> {
     if !grows {
         return None;
     }
-    // The displacements at an instant are the values there times 1: the factor scales the last ones.
+    // The displacements at an instant are the values there times 1: the factor scales the last
+    // ones.
     let mut other = built.case.clone();
     for entry in &mut other.boundary {
         for field in entry.displacement.iter_mut().flatten() {

@@ -1,5 +1,5 @@
-//! Random scenes: small whole numbers, of which a case is made. The smaller they are the simpler the
-//! case, so that shrinking them makes it simpler.
+//! Random scenes: small whole numbers, of which a case is made. The smaller they are the simpler
+//! the case, so that shrinking them makes it simpler.
 
 use proptest::prelude::*;
 
@@ -37,7 +37,8 @@ pub enum Control {
 pub enum Film {
     Apart,
     Connected,
-    /// Of its own pressure, with quarters of what opens the interface as far as the load in a unit of time.
+    /// Of its own pressure, with quarters of what opens the interface as far as the load in a unit
+    /// of time.
     Flows(i32),
 }
 

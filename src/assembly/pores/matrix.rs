@@ -8,7 +8,8 @@ use crate::error::Result;
 use crate::petsc::Matrix;
 
 impl PoreSpace {
-    /// Number of a local node among all; -1, which PETSc passes over, where the pressure is prescribed.
+    /// Number of a local node among all; -1, which PETSc passes over, where the pressure is
+    /// prescribed.
     fn number(&self, node: u32) -> i32 {
         if self.prescribed[node as usize] { -1 } else { self.nodes.numbers[node as usize] }
     }
@@ -41,9 +42,9 @@ impl PoreSpace {
         Matrix::new(petsc, owned, 1, &inside, &outside)
     }
 
-    /// Sets `matrix` to the sum of the symmetric matrices that `of_cell` gives for each prototype and of
-    /// further `blocks` over local nodes of one cell (m3/Pa), times `factor`, with `diagonal` at identity
-    /// rows. Collective.
+    /// Sets `matrix` to the sum of the symmetric matrices that `of_cell` gives for each prototype
+    /// and of further `blocks` over local nodes of one cell (m3/Pa), times `factor`, with
+    /// `diagonal` at identity rows. Collective.
     ///
     /// # Errors
     /// `System` when PETSc refuses a value; on all ranks.

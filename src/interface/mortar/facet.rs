@@ -3,8 +3,8 @@
 use super::MOST_NODES;
 use crate::element::{QuadraturePoint, Shape, gauss};
 
-/// A facet in the plane of the interface: a convex quadrilateral (3D) or a segment (2D), of first or
-/// second order. Its edges are straight: the nodes beyond the corners lie where the corners put
+/// A facet in the plane of the interface: a convex quadrilateral (3D) or a segment (2D), of first
+/// or second order. Its edges are straight: the nodes beyond the corners lie where the corners put
 /// them.
 ///
 /// Quadrilaterals may run either way round: the two sides look at each other.
@@ -17,8 +17,8 @@ pub struct PlaneFacet {
 
 impl PlaneFacet {
     /// A facet of a 2D (line) or 3D (quadrilateral) mesh: global node identities in the order of
-    /// the shape, and the positions of its corners in the plane of the interface, metres; the second
-    /// coordinate of a line is zero.
+    /// the shape, and the positions of its corners in the plane of the interface, metres; the
+    /// second coordinate of a line is zero.
     ///
     /// # Panics
     /// If there are not as many nodes and corners as the shape has.

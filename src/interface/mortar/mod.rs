@@ -9,8 +9,9 @@
 //!
 //! Order of use: [`fn@candidates`] for the pairs, then [`facet_rows`] per secondary facet; sum the
 //! [`Contribution`]s of a node over its facets, and divide by the summed diagonal for P = D^-1 M.
-//! Invariants: the rows reproduce the polynomials of either side's order for any pair of meshes; sum
-//! over primary = sum over secondary = weight; matching facets give a permutation to the last bit.
+//! Invariants: the rows reproduce the polynomials of either side's order for any pair of meshes;
+//! sum over primary = sum over secondary = weight; matching facets give a permutation to the last
+//! bit.
 
 mod candidates;
 mod dual;

@@ -203,8 +203,8 @@ impl Potential {
     }
 
     /// Magnitude of the most negative second derivative over all modes and histories, Pa/m. It is
-    /// met at the critical jump, on one of its sides: the terms that fall with d only add to it, and
-    /// beyond everything falls as 1/d^2.
+    /// met at the critical jump, on one of its sides: the terms that fall with d only add to it,
+    /// and beyond everything falls as 1/d^2.
     pub fn steepest_descent(&self) -> f64 {
         let mut steepest = 0.0_f64;
         for i in 0..=SAMPLES[0] {

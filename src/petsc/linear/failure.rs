@@ -93,8 +93,8 @@ impl LinearFailure {
         matches!(self.reason, IndefiniteMatrix | IndefinitePreconditioner)
     }
 
-    /// Whether the solve would fail for a step of any size: the memory for the factors could not be had, or
-    /// the options choose what solves nothing.
+    /// Whether the solve would fail for a step of any size: the memory for the factors could not be
+    /// had, or the options choose what solves nothing.
     pub fn is_final(&self) -> bool {
         self.wants_memory() || self.reason == LinearReason::NotSolved
     }
@@ -142,7 +142,8 @@ impl Ksp {
         Ok(Some(LinearFailure { reason, words, iterations, residual, mumps }))
     }
 
-    /// How the last solve failed where its preconditioner was applied once and left `residual` of `rhs`.
+    /// How the last solve failed where its preconditioner was applied once and left `residual` of
+    /// `rhs`.
     pub(in crate::petsc) fn not_solved(self, residual: f64, rhs: f64) -> Result<LinearFailure> {
         let mumps = self.mumps_infog(1)?;
         let (kind, left) = (self.pc_type_name()?, residual / rhs);

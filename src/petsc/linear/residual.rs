@@ -12,11 +12,11 @@ use std::ptr;
 const LEFT: f64 = 1e-2;
 /// What a further solve may leave.
 const LEFT_OF_FURTHER: f64 = 1e-6;
-/// Where a method has come to its last iteration, a correction that leaves this much of the residual is worth
-/// taking: Newton's method corrects what is left.
+/// Where a method has come to its last iteration, a correction that leaves this much of the
+/// residual is worth taking: Newton's method corrects what is left.
 pub(in crate::petsc) const WORTH: f64 = 1e-3;
-/// Where a method measures something else the true residual is found each time that has fallen by this
-/// much, and after so many iterations.
+/// Where a method measures something else the true residual is found each time that has fallen by
+/// this much, and after so many iterations.
 const FALLEN: f64 = 0.1;
 /// See [`FALLEN`].
 const MOST_UNSEEN: usize = 5;
@@ -29,8 +29,8 @@ pub(in crate::petsc) struct Watch {
 }
 
 impl Watch {
-    /// The true norm at an iteration at which the method measures `norm`, where it is time to find it:
-    /// also when it may have fallen below `target`. Collective.
+    /// The true norm at an iteration at which the method measures `norm`, where it is time to find
+    /// it: also when it may have fallen below `target`. Collective.
     pub(in crate::petsc) fn norm(
         &mut self,
         ksp: Ksp,
@@ -83,8 +83,8 @@ impl Ksp {
         let [mut b, mut x, mut residual] = [ptr::null_mut(); 3];
         let [mut a, mut preconditioner] = [ptr::null_mut(); 2];
         let mut norm = 0.0;
-        // SAFETY: a valid solver with operators, right-hand side and solution, which it lends; the vector
-        // that is made of their layout is destroyed once.
+        // SAFETY: a valid solver with operators, right-hand side and solution, which it lends; the
+        // vector that is made of their layout is destroyed once.
         unsafe {
             check(ffi::KSPGetRhs(self.raw, &mut b), "KSPGetRhs")?;
             check(ffi::KSPGetSolution(self.raw, &mut x), "KSPGetSolution")?;
@@ -99,8 +99,8 @@ impl Ksp {
         Ok(norm)
     }
 
-    /// The failure of a method that only applies its preconditioner, where that is no solution for a
-    /// right-hand side of norm `rhs`. Collective.
+    /// The failure of a method that only applies its preconditioner, where that is no solution for
+    /// a right-hand side of norm `rhs`. Collective.
     pub(in crate::petsc) fn unsolved(self, rhs: f64) -> Result<Option<LinearFailure>> {
         if self.is_iterative()? {
             return Ok(None);
@@ -109,7 +109,8 @@ impl Ksp {
         if left <= LEFT * rhs { Ok(None) } else { self.not_solved(left, rhs).map(Some) }
     }
 
-    /// Whether a further solve that failed has come far enough for a right-hand side of norm `rhs`. Local.
+    /// Whether a further solve that failed has come far enough for a right-hand side of norm `rhs`.
+    /// Local.
     pub(super) fn serves(self, failure: &LinearFailure, rhs: f64) -> bool {
         let slow = matches!(failure.reason, LinearReason::Iterations | LinearReason::Breakdown);
         slow && failure.residual <= LEFT_OF_FURTHER * rhs

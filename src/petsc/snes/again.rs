@@ -9,8 +9,8 @@ use super::{Snes, SolveReport};
 use crate::error::Result;
 use std::ptr;
 
-/// GMRES on a tangent that is indefinite: its vectors stay orthogonal, and where a restart shows that they
-/// were not, it goes on from there.
+/// GMRES on a tangent that is indefinite: its vectors stay orthogonal, and where a restart shows
+/// that they were not, it goes on from there.
 const GMRES: [(&str, &str); 3] = [
     ("ksp_gmres_restart", "200"),
     ("ksp_gmres_cgs_refinement_type", "refine_ifneeded"),
@@ -39,9 +39,9 @@ impl Snes {
         Ok(ours && report.failing_linear.as_ref().is_some_and(LinearFailure::is_indefinite))
     }
 
-    /// After a linear solve in which conjugate gradients met an indefinite tangent or preconditioner, which
-    /// also happens where a kept preconditioner has become a bad one: tells whether the solve is worth
-    /// another try with a new one. Collective.
+    /// After a linear solve in which conjugate gradients met an indefinite tangent or
+    /// preconditioner, which also happens where a kept preconditioner has become a bad one: tells
+    /// whether the solve is worth another try with a new one. Collective.
     ///
     /// # Errors
     /// `System` when PETSc fails.
@@ -73,9 +73,9 @@ impl Snes {
         Ok(true)
     }
 
-    /// After a linear solve that failed though its method and preconditioner are those of a preset of
-    /// algebraic multigrid: takes elimination from now on, as `options` say. Tells whether it did.
-    /// Collective.
+    /// After a linear solve that failed though its method and preconditioner are those of a preset
+    /// of algebraic multigrid: takes elimination from now on, as `options` say. Tells whether it
+    /// did. Collective.
     ///
     /// # Errors
     /// `System` when PETSc fails.
@@ -116,8 +116,9 @@ impl Snes {
         }
     }
 
-    /// Gives MUMPS several times as much work space from now on where `INFOG(1)` says that it had too
-    /// little, unless the user has said how much or it has it already. Tells whether it did. Collective.
+    /// Gives MUMPS several times as much work space from now on where `INFOG(1)` says that it had
+    /// too little, unless the user has said how much or it has it already. Tells whether it did.
+    /// Collective.
     ///
     /// # Errors
     /// `System` when PETSc fails.

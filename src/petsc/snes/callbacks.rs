@@ -44,8 +44,8 @@ pub(super) struct Context<'a, S> {
     user: UserSet,
     /// Number and residual norm of the state that was judged last.
     judged: (usize, f64),
-    /// Most negative pivots that MUMPS has met in a factorisation of the running solve; `None` where
-    /// nothing tells of them.
+    /// Most negative pivots that MUMPS has met in a factorisation of the running solve; `None`
+    /// where nothing tells of them.
     pub(super) negative_pivots: Option<usize>,
     /// The true residual of a method that goes by another norm.
     watch: Watch,
@@ -83,8 +83,8 @@ impl<'a, S> Context<'a, S> {
         }
     }
 
-    /// Counts the pivots of the solve that has just ended. Conjugate gradients tell an indefinite tangent
-    /// themselves. Local.
+    /// Counts the pivots of the solve that has just ended. Conjugate gradients tell an indefinite
+    /// tangent themselves. Local.
     fn count_pivots(&mut self) -> Result<()> {
         if self.ksp.pc_type_name()? == "cholesky" || self.ksp.type_name()? != "cg" {
             let counts = self.negative_pivots.zip(self.ksp.negative_pivots(self.ranks)?);
@@ -182,8 +182,9 @@ pub(super) unsafe extern "C" fn tangent<S: NonlinearSystem>(
     unsafe { run::<S>(context, work) }
 }
 
-/// Whether a linear solve has converged: the usual test on the true residual, whatever norm the method goes
-/// by, and the system's opinion of the state that the correction so far leads to. Collective.
+/// Whether a linear solve has converged: the usual test on the true residual, whatever norm the
+/// method goes by, and the system's opinion of the state that the correction so far leads to.
+/// Collective.
 ///
 /// # Safety
 /// As [`residual`]; `reason` is a valid place for the answer.

@@ -17,8 +17,8 @@ pub(super) struct Definite {
 }
 
 impl Definite {
-    /// The matrix for the preconditioner of `ksp`, which is built again, after `system` has written its
-    /// tangent into `matrix`. Collective.
+    /// The matrix for the preconditioner of `ksp`, which is built again, after `system` has written
+    /// its tangent into `matrix`. Collective.
     ///
     /// # Errors
     /// Those of the system; `System` when PETSc fails.

@@ -70,8 +70,8 @@ pub struct SolveReport {
     pub linear_iterations: usize,
     /// The linear solve that failed, when that was the reason.
     pub failing_linear: Option<LinearFailure>,
-    /// Most negative pivots that MUMPS met in L D L^T of a tangent; above 0 it was indefinite. `None` where
-    /// a tangent was eliminated without their count.
+    /// Most negative pivots that MUMPS met in L D L^T of a tangent; above 0 it was indefinite.
+    /// `None` where a tangent was eliminated without their count.
     pub negative_pivots: Option<usize>,
 }
 

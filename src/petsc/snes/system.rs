@@ -63,14 +63,14 @@ pub trait NonlinearSystem {
     /// solve.
     fn tangent(&mut self, x: &[f64], matrix: &mut Matrix) -> Result<TangentChange>;
 
-    /// Whether the tangent that was written last may be indefinite, and [`NonlinearSystem::stiffen`] makes
-    /// a copy of it positive definite.
+    /// Whether the tangent that was written last may be indefinite, and
+    /// [`NonlinearSystem::stiffen`] makes a copy of it positive definite.
     fn softens(&mut self) -> bool {
         false
     }
 
-    /// Makes `copy`, a matrix that held the tangent of this or an earlier state, a positive definite one
-    /// that is close to the present tangent.
+    /// Makes `copy`, a matrix that held the tangent of this or an earlier state, a positive
+    /// definite one that is close to the present tangent.
     fn stiffen(&mut self, copy: &mut Matrix) -> Result<()> {
         let _ = copy;
         Ok(())
@@ -102,8 +102,8 @@ pub trait NonlinearSystem {
         Ok(())
     }
 
-    /// Whether the running linear solve gets any [`NonlinearSystem::trial`]: each costs as much as an iteration
-    /// or more.
+    /// Whether the running linear solve gets any [`NonlinearSystem::trial`]: each costs as much as
+    /// an iteration or more.
     fn has_trials(&self) -> bool {
         true
     }

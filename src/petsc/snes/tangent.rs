@@ -105,9 +105,9 @@ impl Snes {
 }
 
 impl TangentAt<'_> {
-    /// Eigenvalues below -`bound`, where the tangent is factored and pivots are counted: the pivots below
-    /// zero of the tangent with `bound` added to its diagonal. Motions that nothing resists, whose pivots
-    /// are rounding of either sign, do not count. Collective.
+    /// Eigenvalues below -`bound`, where the tangent is factored and pivots are counted: the pivots
+    /// below zero of the tangent with `bound` added to its diagonal. Motions that nothing resists,
+    /// whose pivots are rounding of either sign, do not count. Collective.
     ///
     /// # Errors
     /// `Numerics` when the set-up fails; `System` when PETSc fails.
@@ -117,7 +117,8 @@ impl TangentAt<'_> {
         }
         let (ksp, matrix) = (self.snes.ksp.raw(), self.snes.matrix.raw());
         let mut shifted = ptr::null_mut();
-        // SAFETY: a valid matrix; the copy is destroyed once, the solver holds a reference of its own.
+        // SAFETY: a valid matrix; the copy is destroyed once, the solver holds a reference of its
+        // own.
         unsafe {
             let code = ffi::MatDuplicate(matrix, ffi::MAT_COPY_VALUES, &mut shifted);
             check(code, "MatDuplicate")?;

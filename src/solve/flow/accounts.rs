@@ -5,8 +5,8 @@ use crate::assembly::Discretization;
 use crate::bulk::FlowStep;
 use crate::comm::Comm;
 
-/// Fluid that came in, went out and is stored beyond what the undeformed state held (kg; 2D: per metre
-/// of thickness).
+/// Fluid that came in, went out and is stored beyond what the undeformed state held (kg; 2D: per
+/// metre of thickness).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FluidBalance {
     /// Through prescribed pressures, fluxes and injection, since the start.
@@ -34,8 +34,8 @@ impl Contents {
 }
 
 impl Flow {
-    /// Makes displacements `u` of all local nodes and the present pressures the state from which the
-    /// next step starts. Collective.
+    /// Makes displacements `u` of all local nodes and the present pressures the state from which
+    /// the next step starts. Collective.
     pub fn begin(&mut self, comm: &Comm, all: &Discretization, u: &[f64]) {
         self.keep(all, u);
         let stored = self.total_stored(comm);
@@ -83,8 +83,9 @@ impl Flow {
         }
     }
 
-    /// The balance of the pores in the step, with the fluxes through the surfaces, at all local nodes, not
-    /// summed, and the magnitudes of its parts (m3); in `every` cell or where a pressure is to be found.
+    /// The balance of the pores in the step, with the fluxes through the surfaces, at all local
+    /// nodes, not summed, and the magnitudes of its parts (m3); in `every` cell or where a pressure
+    /// is to be found.
     fn of_pores(&self, all: &Discretization, u: &[f64], every: bool) -> [Vec<f64>; 2] {
         let (mut rows, mut sizes) = (vec![0.0; self.before.len()], vec![0.0; self.before.len()]);
         let state = (u, &self.pressure[..], &self.before[..]);
@@ -115,15 +116,16 @@ impl Flow {
         rows.iter_mut().zip(&self.left).for_each(|(row, left)| *row += left);
     }
 
-    /// The balance of the step at all local nodes, not summed, and the magnitudes of its parts (m3).
+    /// The balance of the step at all local nodes, not summed, and the magnitudes of its parts
+    /// (m3).
     pub(super) fn rows(&self, all: &Discretization, u: &[f64]) -> [Vec<f64>; 2] {
         let mut rows = self.of_pores(all, u, false);
         self.complete(all, u, &mut rows);
         rows
     }
 
-    /// Makes the state that was evaluated last an accepted one: `u` are its displacements at all local
-    /// nodes. Collective.
+    /// Makes the state that was evaluated last an accepted one: `u` are its displacements at all
+    /// local nodes. Collective.
     pub fn accept(&mut self, comm: &Comm, all: &Discretization, u: &[f64]) {
         self.scales[0] = self.scales[0].max(self.scales[1]);
         let mut sums = vec![0.0; 3 + 2 * self.into_sides.len()];

@@ -15,8 +15,8 @@ use crate::timers::Phase;
 /// Corrections that do not halve the residual, after which linear solves go on to their end.
 const MOST_STALLED: usize = 3;
 
-/// How far the residual of a linear solve has to fall where its solution decides which interface gives
-/// way first.
+/// How far the residual of a linear solve has to fall where its solution decides which interface
+/// gives way first.
 const DIGITS_OF_ORDER: f64 = 1e-4;
 
 impl NonlinearSystem for Problem<'_> {
@@ -129,8 +129,8 @@ impl NonlinearSystem for Problem<'_> {
             // The correction is not yet the whole one.
             return Ok(Trial::GoOn(None));
         }
-        // The symmetric part alone leads elsewhere; and corrections that are broken off early can lead
-        // round in circles.
+        // The symmetric part alone leads elsewhere; and corrections that are broken off early can
+        // lead round in circles.
         if self.stall.1 >= MOST_STALLED || self.is_skew {
             return Ok(Trial::GoOn(None));
         }
@@ -191,7 +191,8 @@ impl NonlinearSystem for Problem<'_> {
     fn linear_tolerance(&mut self, _iteration: usize, norm: f64) -> LinearTolerance {
         let mut scale = self.convergence.accepted_force();
         if scale == 0.0 && self.path.as_ref().is_some_and(PathControl::follows) {
-            // The path starts where the first point gives way, under forces that no step has accepted yet.
+            // The path starts where the first point gives way, under forces that no step has
+            // accepted yet.
             scale = self.convergence.current().force;
         }
         self.linear.tolerance(norm, scale)

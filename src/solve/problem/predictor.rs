@@ -7,9 +7,10 @@
 //!
 //! Between the accepted state and this answer the loads grow in proportion, so that the point which
 //! reaches its threshold first on the way does so in truth, and has grown its damage at the end of
-//! the step. Where several interfaces give way, open or close, the one that is first does so alone for
-//! one correction: the others may find themselves relieved. What opens or closes before it gives way
-//! (an intrinsic law from rest) does so in corrections of its own, before anything gives way.
+//! the step. Where several interfaces give way, open or close, the one that is first does so alone
+//! for one correction: the others may find themselves relieved. What opens or closes before it
+//! gives way (an intrinsic law from rest) does so in corrections of its own, before anything gives
+//! way.
 
 use super::{Problem, Worst};
 use crate::assembly::Discretization;
@@ -130,8 +131,8 @@ impl InterfaceState {
 impl Problem<'_> {
     /// Lets the laws answer to the state that was evaluated last as the next correction needs it:
     /// linearly from the accepted state before the first one of a step, with some interfaces still
-    /// held after it. `worst` is the largest out-of-balance force of the state. Whether answers have
-    /// changed. Collective.
+    /// held after it. `worst` is the largest out-of-balance force of the state. Whether answers
+    /// have changed. Collective.
     pub(in crate::solve) fn answer_in_turn(&mut self, worst: Worst) -> bool {
         self.waits = false;
         let waiting = match self.prediction {
@@ -145,8 +146,8 @@ impl Problem<'_> {
             }
             Prediction::Made => {
                 self.prediction = Prediction::Past;
-                // A volume of fluid between lips opens them as little as it is: the first correction,
-                // from lips that hold, is no measure of the loads.
+                // A volume of fluid between lips opens them as little as it is: the first
+                // correction, from lips that hold, is no measure of the loads.
                 if self.interfaces.is_gradual {
                     return false;
                 }
@@ -169,13 +170,14 @@ impl Problem<'_> {
         }
     }
 
-    /// The verdict on a state that some laws may not have been asked about, which is none to stay at.
+    /// The verdict on a state that some laws may not have been asked about, which is none to stay
+    /// at.
     pub(in crate::solve) fn unless_waiting(&self, verdict: Verdict) -> Verdict {
         if self.waits && verdict == Verdict::Converged { Verdict::Continue } else { verdict }
     }
 
-    /// Whether the digits of the running correction decide which interface gives way first. Local: the
-    /// same on all ranks.
+    /// Whether the digits of the running correction decide which interface gives way first. Local:
+    /// the same on all ranks.
     pub(super) fn decides_order(&self) -> bool {
         let may_break = |law: &&JointLaw| law.spec.law().strength().is_some();
         self.prediction == Prediction::Due
@@ -193,8 +195,9 @@ impl Problem<'_> {
         }
     }
 
-    /// Makes the components of a correction that need no solve exact, whatever the linear solver left
-    /// there: nothing where displacements are prescribed, the known jump where one is stuck. Local.
+    /// Makes the components of a correction that need no solve exact, whatever the linear solver
+    /// left there: nothing where displacements are prescribed, the known jump where one is stuck.
+    /// Local.
     pub(in crate::solve) fn set_known(&self, correction: &mut [f64]) {
         let (all, dim) = (&self.all, self.all.dim);
         self.hold_prescribed(correction);
@@ -206,8 +209,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Lets the next correction follow from the laws as they answer, as on a path, where the answer of
-    /// the accepted state may not open what is to be opened. Local.
+    /// Lets the next correction follow from the laws as they answer, as on a path, where the answer
+    /// of the accepted state may not open what is to be opened. Local.
     pub(in crate::solve) fn predict_freely(&mut self) {
         self.predict();
         self.prediction = Prediction::Free;
@@ -222,9 +225,9 @@ impl Problem<'_> {
     }
 
     /// Finds the points that give way first on the way to the state that was evaluated last, and
-    /// marks the nodes of the interfaces whose turn has not come; none if all may give way. Nodes that
-    /// open or close before any gives way are taken to where they do, and another prediction is due.
-    /// Collective.
+    /// marks the nodes of the interfaces whose turn has not come; none if all may give way. Nodes
+    /// that open or close before any gives way are taken to where they do, and another prediction
+    /// is due. Collective.
     fn find_onset(&mut self) -> Option<Vec<bool>> {
         let (all, state) = (&self.all, &self.interfaces);
         let count = state.laws.len();
@@ -244,7 +247,8 @@ impl Problem<'_> {
         let least = |parts: &[f64]| parts.iter().copied().fold(f64::INFINITY, f64::min);
         let [first, grows] = [least(&earliest[..count]), least(&earliest[count..2 * count])];
         let turns = earliest[2 * count];
-        // Where a contact opens or closes before that, the loads do not grow in proportion up to there.
+        // Where a contact opens or closes before that, the loads do not grow in proportion up to
+        // there.
         if grows.is_finite() && turns >= grows {
             let nodes = changes.iter().enumerate();
             let firsts = nodes.filter(|(_, c)| c.grows.is_some_and(|part| is_with(grows, part)));

@@ -78,8 +78,8 @@ impl Stepper<'_> {
         Ok(report)
     }
 
-    /// The time that a converged step to `target` has reached: the step that is to break an interface
-    /// may leave some of it. Collective.
+    /// The time that a converged step to `target` has reached: the step that is to break an
+    /// interface may leave some of it. Collective.
     pub(super) fn reached(&self, target: f64) -> Result<f64> {
         let Some(path) = self.problem.path.as_ref().filter(|path| path.breaks()) else {
             return Ok(target);

@@ -111,10 +111,10 @@ impl Stepper<'_> {
         Ok((!found.is_stable()).then_some(Instability { time, found }))
     }
 
-    /// A step to `target`, and the instability of the state that it leads to. With `follow` a step that
-    /// fails or leads to an unstable state is tried again from `before` with what softened before
-    /// softening on: from the secant, on which steps start, the load passes over the strength of what has
-    /// not softened yet. Collective.
+    /// A step to `target`, and the instability of the state that it leads to. With `follow` a step
+    /// that fails or leads to an unstable state is tried again from `before` with what softened
+    /// before softening on: from the secant, on which steps start, the load passes over the
+    /// strength of what has not softened yet. Collective.
     pub(super) fn attempt(
         &mut self,
         target: f64,
@@ -149,10 +149,10 @@ impl Stepper<'_> {
         Ok(second)
     }
 
-    /// What follows from the unstable state that a step of size `step` has led to. Smaller steps are
-    /// tried first where they may lead elsewhere, since a path that starts closer to where it leaves
-    /// the unstable one leaves it on the right side; not where the sides are each other's mirror
-    /// image. Collective.
+    /// What follows from the unstable state that a step of size `step` has led to. Smaller steps
+    /// are tried first where they may lead elsewhere, since a path that starts closer to where it
+    /// leaves the unstable one leaves it on the right side; not where the sides are each other's
+    /// mirror image. Collective.
     pub(super) fn consequence(
         &mut self,
         unstable: &Instability,
@@ -179,8 +179,8 @@ impl Stepper<'_> {
                 }
             }
             _ => {
-                // An imperfection selects a branch, also of modes that tilt, if the step does not pass
-                // over where it does.
+                // An imperfection selects a branch, also of modes that tilt, if the step does not
+                // pass over where it does.
                 let imperfect = self.tries_smaller_steps && !self.case.imperfections.is_empty();
                 let is_worth = step > if imperfect { smallest } else { WORTH * smallest };
                 Ok(if (may_depend || imperfect) && is_worth {
@@ -209,9 +209,9 @@ impl Stepper<'_> {
         self.instabilities.push(unstable);
     }
 
-    /// Goes from the unstable state that was reached to the stable one with the lower energy of those
-    /// that the two directions of its mode lead to; to the first direction if they are the same. Stays
-    /// at the unstable state if there is none. Collective.
+    /// Goes from the unstable state that was reached to the stable one with the lower energy of
+    /// those that the two directions of its mode lead to; to the first direction if they are the
+    /// same. Stays at the unstable state if there is none. Collective.
     fn leave(
         &mut self,
         unstable: &Instability,

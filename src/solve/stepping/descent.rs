@@ -7,13 +7,13 @@ use crate::solve::energy;
 use crate::solve::interfaces::{Damping, NodeResponse};
 use crate::solve::stability::Mode;
 
-/// How far a state is displaced along a mode: the largest jump of the mode over the largest growth of a
-/// jump in the step.
+/// How far a state is displaced along a mode: the largest jump of the mode over the largest growth
+/// of a jump in the step.
 const AMPLITUDE: f64 = 0.5;
 /// Damping that makes every step convex, over the steepest softening.
 const CONVEX: f64 = 2.0;
-/// The energy falls in so many steps at most, the last of which changes jumps by less than this part of
-/// what the largest step did.
+/// The energy falls in so many steps at most, the last of which changes jumps by less than this
+/// part of what the largest step did.
 const MOST_FLOW_STEPS: usize = 100;
 /// See [`MOST_FLOW_STEPS`].
 const SETTLED: f64 = 1e-3;
@@ -23,8 +23,8 @@ const ROUNDING: f64 = 1e-13;
 const MOST_PASSED: usize = 4;
 
 impl Stepper<'_> {
-    /// The stable state, with less energy than `from`, to which the energy falls from where a mode leads
-    /// in the direction `sign`; through further unstable states if need be. Collective.
+    /// The stable state, with less energy than `from`, to which the energy falls from where a mode
+    /// leads in the direction `sign`; through further unstable states if need be. Collective.
     pub(super) fn descend(
         &mut self,
         from: &Reached,
@@ -65,11 +65,11 @@ impl Stepper<'_> {
         Ok(None)
     }
 
-    /// Lets the energy fall step by step until the state changes little: each step minimises the energy
-    /// and d/2 times the square of the change of the jumps since the step before, integrated, which is
-    /// convex where d exceeds what the law softens by. While the changes decay d is halved from step to
-    /// step; it is raised where Newton's method fails or leads to no minimum. Tells whether the state
-    /// settled. Collective.
+    /// Lets the energy fall step by step until the state changes little: each step minimises the
+    /// energy and d/2 times the square of the change of the jumps since the step before,
+    /// integrated, which is convex where d exceeds what the law softens by. While the changes decay
+    /// d is halved from step to step; it is raised where Newton's method fails or leads to no
+    /// minimum. Tells whether the state settled. Collective.
     ///
     /// `softening` is what the unstable mode softens by, `steepest` the law (Pa/m).
     fn flow(&mut self, softening: f64, steepest: f64, total: &mut Accepted) -> Result<bool> {
@@ -105,8 +105,8 @@ impl Stepper<'_> {
         Ok(false)
     }
 
-    /// The largest change of a jump since the jumps `from` (m), and the integral of the squares of the
-    /// changes. Collective.
+    /// The largest change of a jump since the jumps `from` (m), and the integral of the squares of
+    /// the changes. Collective.
     fn change_since(&self, from: &[[f64; 3]]) -> Result<[f64; 2]> {
         let (all, comm) = (&self.problem.all, self.problem.comm);
         let (mut largest, mut sum) = ([0.0_f64], [0.0]);

@@ -26,7 +26,8 @@ pub(super) struct Doubt {
 const WORTH: f64 = 64.0;
 
 impl Doubt {
-    /// Whether a step of size `step` is worth cutting; `is_last` where none of its parts were solved.
+    /// Whether a step of size `step` is worth cutting; `is_last` where none of its parts were
+    /// solved.
     pub(super) fn is_worth(&self, step: f64, smallest: f64, is_last: bool) -> bool {
         if self.is_final { step > smallest } else { !is_last && step > WORTH * smallest }
     }
@@ -74,8 +75,8 @@ impl Stepper<'_> {
         Ok(())
     }
 
-    /// The lowest owned secondary node, by its name, whose lips are open and pressed: its interface.
-    /// Local.
+    /// The lowest owned secondary node, by its name, whose lips are open and pressed: its
+    /// interface. Local.
     fn pressed_opening(&self) -> Option<(u64, usize)> {
         let (all, state) = (&self.problem.all, &self.problem.interfaces);
         let is_pressed = |index: usize| {

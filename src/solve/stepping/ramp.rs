@@ -1,8 +1,8 @@
 //! Loads that are there from the start, reached by steps.
 //!
-//! At the start of a case nothing acts yet; a value that is not zero then jumps within the first step,
-//! however short. Where that step fails, all that jumps grows in proportion to time from the start to
-//! the end of the step that was tried.
+//! At the start of a case nothing acts yet; a value that is not zero then jumps within the first
+//! step, however short. Where that step fails, all that jumps grows in proportion to time from the
+//! start to the end of the step that was tried.
 
 use super::{Coupling, Stepper};
 use crate::error::Result;
@@ -56,8 +56,8 @@ impl Stepper<'_> {
         Ok(())
     }
 
-    /// Forces of the pressures that are there at the start, per local node, not summed (N); empty where
-    /// none is computed. Local.
+    /// Forces of the pressures that are there at the start, per local node, not summed (N); empty
+    /// where none is computed. Local.
     pub(super) fn pore_force_of(&self, coupling: &Option<Coupling>) -> Vec<f64> {
         let Some(Coupling { flow, .. }) = coupling else { return Vec::new() };
         let all = &self.problem.all;

@@ -5,8 +5,8 @@ use super::Stepper;
 /// Rounding errors that a nodal force gathers, over the one of its largest part.
 const GATHERED: f64 = 4.0;
 
-/// What rounding leaves of the balance of nodal forces, over the scale of forces: the parts of a nodal force are as
-/// large as a stiffness times a displacement, whatever they sum up to.
+/// What rounding leaves of the balance of nodal forces, over the scale of forces: the parts of a
+/// nodal force are as large as a stiffness times a displacement, whatever they sum up to.
 fn rounding(stiffness: f64, [force, displacement]: [f64; 2]) -> f64 {
     if force > 0.0 { GATHERED * f64::EPSILON * stiffness * displacement / force } else { 0.0 }
 }

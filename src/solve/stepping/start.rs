@@ -11,13 +11,14 @@ impl Stepper<'_> {
         self.case.flow.as_ref().is_some_and(|flow| flow.equilibrium)
     }
 
-    /// Makes the displacements at the start those in equilibrium with the initial pressures, which stay as
-    /// they are, the loads and the prescribed displacements. Stress and energy are those of loads and
-    /// pressures that grow together from nothing; the fluid that is stored counts from here. Collective.
+    /// Makes the displacements at the start those in equilibrium with the initial pressures, which
+    /// stay as they are, the loads and the prescribed displacements. Stress and energy are those of
+    /// loads and pressures that grow together from nothing; the fluid that is stored counts from
+    /// here. Collective.
     ///
     /// # Errors
-    /// `Numerics` when there is no equilibrium or it leaves a body free; `Input` when a formula gives no
-    /// finite number; `Stopped` on a signal: the state is then the undeformed one.
+    /// `Numerics` when there is no equilibrium or it leaves a body free; `Input` when a formula
+    /// gives no finite number; `Stopped` on a signal: the state is then the undeformed one.
     pub(super) fn begin_in_equilibrium(&mut self, total: &mut Accepted) -> Result<()> {
         let mut before = self.x.duplicate()?;
         before.copy_from(&self.x)?;

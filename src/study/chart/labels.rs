@@ -8,8 +8,8 @@ use super::panel::{Frame, INK};
 /// Height of text.
 const LABEL: f64 = 12.0;
 
-/// Labels up and right of points; those of one place, and those that would lie upon each other, side by
-/// side.
+/// Labels up and right of points; those of one place, and those that would lie upon each other,
+/// side by side.
 pub(super) fn labels<'l, B: DrawingBackend>(
     canvas: &Canvas<'_, B>,
     frame: &Frame,

@@ -165,7 +165,8 @@ impl Rows<'_> {
                     line.failed.extend(place);
                 }
             }
-            // What is measured need not rise with refinement: those points stay in the order of the runs.
+            // What is measured need not rise with refinement: those points stay in the order of the
+            // runs.
             if matches!(x, Quantity::Axis(_)) {
                 line.points.sort_by(|a, b| a.0.total_cmp(&b.0));
             }
@@ -327,7 +328,8 @@ impl Rows<'_> {
     }
 }
 
-/// The efficiency at every number of ranks, of pairs of ranks and time with rising ranks: the first is
+/// The efficiency at every number of ranks, of pairs of ranks and time with rising ranks: the first
+/// is
 /// 1. With `strong` the problem is the same for all, else it grows with the ranks.
 fn efficiencies_of(points: &[(f64, f64)], strong: bool) -> Vec<(f64, f64)> {
     let Some((first, time)) = points.first().copied() else { return Vec::new() };

@@ -3,8 +3,8 @@
 use super::{family, measured, near, sum};
 use serde_json::json;
 
-/// Pure bending; a cell of length l across the whole depth is stiffer by 1 + (l/depth)^2/2 where the
-/// displacements are of first order.
+/// Pure bending; a cell of length l across the whole depth is stiffer by 1 + (l/depth)^2/2 where
+/// the displacements are of first order.
 #[test]
 fn e05_bending_locks_first_order() {
     let mut rows = Vec::new();
@@ -55,8 +55,8 @@ fn e06_iterations_of_every_ratio() {
     measured("6.locking", locking(|_| true));
 }
 
-/// A block between rough platens, its stiffness beside that of 6 x 6 x 6 cells of second order; iterations
-/// for the ratios of Poisson that are `counted`.
+/// A block between rough platens, its stiffness beside that of 6 x 6 x 6 cells of second order;
+/// iterations for the ratios of Poisson that are `counted`.
 fn locking(counted: fn(f64) -> bool) -> Vec<serde_json::Value> {
     let mut rows = Vec::new();
     for nu in [0.3, 0.45, 0.49, 0.499, 0.4999] {

@@ -1,7 +1,8 @@
-//! The functions that read what a user gives, as the program calls them on rank 0, for hostile input.
+//! The functions that read what a user gives, as the program calls them on rank 0, for hostile
+//! input.
 //!
-//! Each takes any bytes and returns, or panics where the program broke its promise: what is wrong is
-//! told in words, and what is accepted can be computed. The fuzz targets feed them, and
+//! Each takes any bytes and returns, or panics where the program broke its promise: what is wrong
+//! is told in words, and what is accepted can be computed. The fuzz targets feed them, and
 //! `tests/corpus.rs` replays every input that is kept.
 
 pub mod checkpoint;
