@@ -1,11 +1,10 @@
 //! From the sections of the file to the checked case: the rules that span several keys.
 
-use std::collections::BTreeSet;
 use std::path::Path;
 
+use super::checker::Checker;
 use super::file::{CaseFile, MaterialSection};
-use super::problems::{Problems, shortened};
-use super::tree::Node;
+use super::problems::shortened;
 use super::{Case, Cells, InterfaceSpec, LawSpec, Material, MeshSpec, PhysicsDecision, SolverSpec};
 use super::{Form, Linear, Stability, supports};
 use crate::error::{Result, number_text};
@@ -24,26 +23,7 @@ const LONGEST_NAME: usize = 200;
 /// What is said of everything that the contract plans and the program cannot do yet.
 pub(super) const LATER: &str = "is not yet available";
 
-pub(super) struct Checker<'a> {
-    pub tree: &'a Node,
-    pub problems: Problems<'a>,
-    /// Sections that could not be read and hold placeholders.
-    pub broken: BTreeSet<String>,
-    /// 2 or 3.
-    pub dim: usize,
-    pub left_out: Vec<String>,
-}
-
 impl Checker<'_> {
-    pub fn add(&mut self, path: &str, reason: impl std::fmt::Display) {
-        self.problems.add(self.tree, path, reason);
-    }
-
-    /// Whether all these sections hold what the file says.
-    pub fn sound(&self, sections: &[&str]) -> bool {
-        sections.iter().all(|section| !self.broken.contains(*section))
-    }
-
     /// Checks everything and builds the case.
     ///
     /// # Errors

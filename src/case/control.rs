@@ -1,11 +1,11 @@
 //! Path following: what the load factor follows from.
 
-use super::check::Checker;
+use super::InterfaceSpec;
+use super::checker::Checker;
 use super::file::{CaseFile, ControlSection};
 use super::problems::suggestion;
 use super::solver::{Form, Stability};
 use super::value::Value;
-use super::{Case, InterfaceSpec};
 
 /// The quantity that is prescribed in place of the size of the loads.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,8 +44,8 @@ impl Control {
     }
 
     /// The quantity in words.
-    pub fn words(&self, case: &Case) -> String {
-        let name = &case.interfaces[self.interface].name;
+    pub fn words(&self, interfaces: &[InterfaceSpec]) -> String {
+        let name = &interfaces[self.interface].name;
         match self.kind {
             ControlKind::Opening(_) => format!("the mean opening of {name}"),
             ControlKind::Dissipation(_) => format!("the dissipation of {name}"),

@@ -6,12 +6,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::boundary::Surface;
-use super::fluid::FluidSection;
-use super::initial::InitialSection;
 use super::interface::Side;
-use super::limits::{CheckpointSection, LimitsSection};
 use super::material::Porous;
 use super::mesh::Formulation;
+use super::sections::{CheckpointSection, FluidSection, InitialSection, LimitsSection, Quantity};
 use super::solver::{Reduce, SolverSpec};
 use crate::law::LawSpec;
 
@@ -218,35 +216,6 @@ impl Components {
     pub fn is_empty(&self) -> bool {
         self.x.is_none() && self.y.is_none() && self.z.is_none()
     }
-}
-
-/// A number, a table over time or a formula.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
-pub(super) enum Quantity {
-    /// The same everywhere and always.
-    Number(f64),
-    /// Over time.
-    Table(TableSection),
-    /// In space and time.
-    Formula(FormulaSection),
-}
-
-/// Linear between, constant beyond.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct TableSection {
-    /// Pairs of time and value, with rising times.
-    #[schemars(length(min = 1, max = 100_000))]
-    pub table: Vec<[f64; 2]>,
-}
-
-/// A formula.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct FormulaSection {
-    /// In x, y, z, t with + - * / ^, parentheses, pi, sqrt exp ln sin cos abs min max.
-    pub formula: String,
 }
 
 /// The instants.

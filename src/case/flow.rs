@@ -1,12 +1,12 @@
 //! Flow in the pores: whether the case needs it, and what it consists of.
 
+use super::InterfaceSpec;
 use super::boundary::{BoundarySpec, Surface};
-use super::check::Checker;
+use super::checker::Checker;
 use super::file::{CaseFile, Physics};
 use super::material::Material;
 use super::solver::{Form, Stability};
 use super::value::Value;
-use super::{InterfaceSpec, PhysicsDecision};
 use crate::error::number_text;
 
 /// Flow of the fluid in the pores.
@@ -59,6 +59,25 @@ fn is_of_pressure(quantity: &str) -> bool {
 
 fn starts_in_equilibrium(file: &CaseFile) -> bool {
     file.initial.as_ref().is_some_and(|initial| initial.equilibrium)
+}
+
+/// The physics that is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PhysicsDecision {
+    /// Equilibrium alone; the pore pressure is known beforehand.
+    Mechanics,
+    /// Equilibrium, and flow in the pores.
+    HydroMechanics,
+}
+
+impl PhysicsDecision {
+    /// Its name in a case file and in `report.json`.
+    pub fn name(self) -> &'static str {
+        match self {
+            PhysicsDecision::Mechanics => "mechanics",
+            PhysicsDecision::HydroMechanics => "hydro_mechanics",
+        }
+    }
 }
 
 impl Checker<'_> {

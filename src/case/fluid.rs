@@ -1,32 +1,11 @@
 //! Fluid in interfaces: imposed, connected with the pores, or flowing along them.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use super::check::Checker;
-use super::file::Quantity;
+use super::checker::Checker;
 use super::interface::FilmSpec;
 use super::material::Material;
+use super::sections::FluidSection;
 use super::{InterfaceSpec, MeshSpec};
 use crate::error::number_text;
-
-/// Fluid in an interface.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct FluidSection {
-    /// Its imposed pressure in Pa.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub pressure: Option<Quantity>,
-    /// Whether the pore pressure at the lips equals the imposed one.
-    #[serde(default)]
-    pub connected: bool,
-    /// Whether it flows along the interface, with the pressure of the pores at both lips.
-    #[serde(default)]
-    pub flow: bool,
-    /// Mass in kg/m2/s that is injected into the interface, where it then flows.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub injection: Option<Quantity>,
-}
 
 impl Checker<'_> {
     /// Puts the fluid of the section at `path` into an interface.

@@ -1,52 +1,12 @@
 //! The state at the start: pore pressure, and the imperfection that selects a branch.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
 use super::InterfaceSpec;
-use super::check::Checker;
-use super::file::{CaseFile, FormulaSection, Quantity};
+use super::checker::Checker;
+use super::file::CaseFile;
 use super::problems::suggestion;
+use super::sections::{FactorSection, Quantity};
 use super::value::Value;
 use crate::error::{Error, Result, number_text};
-
-/// The state at the start.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-#[schemars(extend("minProperties" = 1))]
-pub(super) struct InitialSection {
-    /// Pore pressure in Pa.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub pressure: Option<Quantity>,
-    /// Whether the displacements at the start are those in equilibrium with the initial pressures,
-    /// the loads and the prescribed displacements, instead of 0.
-    #[serde(default)]
-    pub equilibrium: bool,
-    /// What makes a perfect structure imperfect, so that one of its branches is selected.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(length(max = 1000))]
-    pub imperfection: Vec<ImperfectionSection>,
-}
-
-/// An imperfection of an interface.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct ImperfectionSection {
-    /// Name of the interface.
-    pub interface: String,
-    /// What its strength and its fracture energy are multiplied by; the critical jump stays.
-    pub factor: FactorSection,
-}
-
-/// A factor: a number, or a formula in space.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
-pub(super) enum FactorSection {
-    /// The same on the whole interface.
-    Number(f64),
-    /// In x, y, z.
-    Formula(FormulaSection),
-}
 
 /// An imperfection: at each point of an interface its strength and its fracture energy are
 /// multiplied by a factor, so that its critical jump stays.

@@ -1,9 +1,6 @@
 //! When a run writes checkpoints and when it stops: lengths of time, and the rules for them.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use super::check::Checker;
+use super::checker::Checker;
 use super::file::CaseFile;
 
 /// How often a checkpoint is written.
@@ -17,23 +14,6 @@ pub enum Every {
 
 /// Without a word in the case file.
 const USUAL: Every = Every::Seconds(600.0);
-
-/// When checkpoints are written.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct CheckpointSection {
-    /// A time, such as 10 min, or a number of instants, such as 5 instants.
-    pub every: String,
-}
-
-/// When the run stops.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct LimitsSection {
-    /// Wall-clock time, as HH:MM:SS or as a number with s, min or h: a checkpoint is written and
-    /// the run stops before it is over.
-    pub wall: String,
-}
 
 impl Checker<'_> {
     /// How often checkpoints are written, and the wall-clock time of the run (s).

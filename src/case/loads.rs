@@ -1,9 +1,10 @@
 //! Checks of what acts on the column: values, boundary, body force.
 
 use super::boundary::{BoundarySpec, Surface};
-use super::check::Checker;
-use super::file::{CaseFile, Components, Quantity};
+use super::checker::Checker;
+use super::file::{CaseFile, Components};
 use super::formula::Formula;
+use super::sections::Quantity;
 use super::value::Value;
 use crate::error::number_text;
 

@@ -2,6 +2,8 @@
 
 mod boundary;
 mod check;
+mod checked;
+mod checker;
 mod control;
 mod file;
 mod flow;
@@ -18,6 +20,7 @@ mod planes;
 pub(crate) mod problems;
 mod results;
 pub(crate) mod schema;
+mod sections;
 mod size;
 mod solver;
 mod supports;
@@ -26,8 +29,9 @@ mod value;
 
 pub use crate::law::LawSpec;
 pub use boundary::{BoundarySpec, Surface};
+pub use checked::Case;
 pub use control::{Control, ControlKind};
-pub use flow::FlowSpec;
+pub use flow::{FlowSpec, PhysicsDecision};
 pub use formula::Formula;
 pub use initial::Imperfection;
 pub use interface::{FilmSpec, InterfaceSpec, Side};
@@ -46,82 +50,9 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 pub use check::BULK;
-use check::Checker;
+use checker::Checker;
 use problems::Problems;
 use tree::{Data, Node, Origin};
-
-/// The physics that is computed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PhysicsDecision {
-    /// Equilibrium alone; the pore pressure is known beforehand.
-    Mechanics,
-    /// Equilibrium, and flow in the pores.
-    HydroMechanics,
-}
-
-impl PhysicsDecision {
-    /// Its name in a case file and in `report.json`.
-    pub fn name(self) -> &'static str {
-        match self {
-            PhysicsDecision::Mechanics => "mechanics",
-            PhysicsDecision::HydroMechanics => "hydro_mechanics",
-        }
-    }
-}
-
-/// A checked case.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Case {
-    /// Title.
-    pub title: String,
-    /// The column and its cells.
-    pub mesh: MeshSpec,
-    /// Materials, bottom to top.
-    pub materials: Vec<Material>,
-    /// Interfaces, bottom to top.
-    pub interfaces: Vec<InterfaceSpec>,
-    /// What is prescribed on surfaces.
-    pub boundary: Vec<BoundarySpec>,
-    /// Body force along x, y, z in N/m3.
-    pub body_force: [Value; 3],
-    /// Gravity along x, y, z in m/s2.
-    pub gravity: [f64; 3],
-    /// What makes the structure imperfect.
-    pub imperfections: Vec<Imperfection>,
-    /// What is computed.
-    pub physics: PhysicsDecision,
-    /// Flow in the pores, where it is computed.
-    pub flow: Option<FlowSpec>,
-    /// Whether the pore pressure is prescribed at every node and acts as a load, without flow.
-    pub pressure_is_load: bool,
-    /// The instants in s, strictly rising, after `start`.
-    pub time: Vec<f64>,
-    /// The time in s of the state at the start.
-    pub start: f64,
-    /// Path following.
-    pub control: Option<Control>,
-    /// How it is solved.
-    pub solver: SolverSpec,
-    /// Whether a smaller model may take its place.
-    pub reduce: Reduce,
-    /// What is written.
-    pub output: OutputSpec,
-    /// Wall-clock time after which the run stops (s).
-    pub wall: Option<f64>,
-    /// Points whose displacement is recorded.
-    pub probes: Vec<Probe>,
-    /// Values that the results must have.
-    pub expect: Vec<Expectation>,
-    /// 2 or 3.
-    pub dim: usize,
-    /// One sentence for each thing that the file describes and the model leaves out.
-    pub left_out: Vec<String>,
-    /// The sections it was made of, with defaults written out.
-    file: file::CaseFile,
-}
-
-/// Poisson's ratio from which on full integration is not taken.
-const NEARLY_INCOMPRESSIBLE: f64 = 0.45;
 
 /// Largest case file that is read, in bytes.
 const LARGEST: u64 = 1 << 20;
@@ -167,35 +98,6 @@ impl Case {
         };
         let checker = Checker { tree: &tree, problems, broken, dim: 2, left_out: Vec::new() };
         checker.case(file, path)
-    }
-
-    /// Whether a pore pressure acts on the skeleton, with flow or known beforehand.
-    pub fn has_pressure(&self) -> bool {
-        self.flow.is_some() || self.pressure_is_load
-    }
-
-    /// Whether the cells of a material have the mean of the volumetric strain in place of its
-    /// values.
-    pub fn has_mean_dilatation(&self, material: &Material) -> bool {
-        match self.mesh.formulation {
-            Formulation::Auto => material.poisson_ratio > NEARLY_INCOMPRESSIBLE,
-            Formulation::Full => false,
-            Formulation::BBar => true,
-        }
-    }
-
-    /// One sentence for each material whose cells are not fully integrated.
-    pub fn formulations(&self) -> Vec<String> {
-        let special = self.materials.iter().filter(|m| self.has_mean_dilatation(m));
-        let words = |m: &Material| match self.mesh.formulation {
-            Formulation::Auto => format!(
-                "{}: B-bar, since full integration locks where poisson_ratio, {}, is above \
-                 {NEARLY_INCOMPRESSIBLE}",
-                m.name, m.poisson_ratio
-            ),
-            _ => format!("{}: B-bar, asked for", m.name),
-        };
-        special.map(words).collect()
     }
 
     /// The times between start and end, rising, at which a table bends: no step passes over one.

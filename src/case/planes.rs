@@ -1,6 +1,6 @@
 //! Horizontal planes: interfaces, ends of materials and cells must leave room between them.
 
-use super::check::Checker;
+use super::checker::Checker;
 use super::{Cells, InterfaceSpec, Material, MeshSpec};
 use crate::error::number_text;
 

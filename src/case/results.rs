@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use super::check::Checker;
+use super::checker::Checker;
 use super::file::{CaseFile, FieldsSection, FieldsWord};
 use super::output::{Expectation, Fields, OutputSpec, Probe};
 use super::problems::suggestion;

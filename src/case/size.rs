@@ -1,6 +1,6 @@
 //! How large a case may be: refused before memory is asked for.
 
-use super::check::Checker;
+use super::checker::Checker;
 use super::file::CaseFile;
 use super::{Case, Cells, InterfaceSpec, Material, MeshSpec};
 

@@ -333,19 +333,5 @@ unsafe fn install<S: NonlinearSystem>(
     // SAFETY: a valid solver.
     check(unsafe { ffi::SNESGetKSP(snes, &mut ksp) }, "SNESGetKSP")?;
     // SAFETY: the linear solver of a valid solver, the context as above.
-    unsafe { watch_linear::<S>(ksp, context) }
-}
-
-/// Sets the callbacks of linear solves and their context.
-///
-/// # Safety
-/// `ksp` is valid; `context` as in [`install`].
-unsafe fn watch_linear<S: NonlinearSystem>(ksp: ffi::KSP, context: *mut c_void) -> Result<()> {
-    // SAFETY: a valid solver, the context by the contract.
-    let code = unsafe { ffi::KSPSetPreSolve(ksp, Some(callbacks::initial_guess::<S>), context) };
-    check(code, "KSPSetPreSolve")?;
-    let test = Some(callbacks::linear_verdict::<S> as _);
-    // SAFETY: as above; the context is not PETSc's to free.
-    let code = unsafe { ffi::KSPSetConvergenceTest(ksp, test, context, None) };
-    check(code, "KSPSetConvergenceTest")
+    unsafe { callbacks::watch_linear::<S>(ksp, context) }
 }

@@ -22,6 +22,7 @@
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
+use super::block::Block;
 use super::problem::Problem;
 use super::whole::Whole;
 use crate::assembly::{FilmTangent, NodeState, PoreSpace, TangentOperator, WholeValues};
@@ -29,34 +30,8 @@ use crate::bulk::{FlowStep, PorousCell};
 use crate::comm::Comm;
 use crate::error::Result;
 use crate::petsc::{
-    LinearOperator, NonlinearSystem, Petsc, Preconditioner, Ran, Snes, TangentChange, Vector,
+    LinearOperator, NonlinearSystem, Petsc, Preconditioner, Ran, Snes, TangentChange,
 };
-
-/// A block of the preconditioner: a solver that is only asked for its preconditioner.
-pub struct Block {
-    pub(super) solver: Snes,
-    from: Vector,
-    to: Vector,
-}
-
-impl Block {
-    pub(super) fn new(petsc: &Petsc, solver: Snes) -> Result<Self> {
-        let (rows, width) = (solver.matrix().owned_rows(), solver.matrix().block_size());
-        let (from, to) = (Vector::new(petsc, rows, width)?, Vector::new(petsc, rows, width)?);
-        Ok(Self { solver, from, to })
-    }
-
-    /// z = the preconditioner times r. Collective.
-    ///
-    /// # Errors
-    /// `System` when PETSc fails.
-    pub(super) fn apply(&mut self, r: &[f64], z: &mut [f64]) -> Result<()> {
-        self.from.write()?.copy_from_slice(r);
-        self.solver.apply_preconditioner(&self.from, &mut self.to)?;
-        z.copy_from_slice(&self.to.read()?);
-        Ok(())
-    }
-}
 
 /// What preconditions the pressure beside the mechanical block.
 pub enum Beside {

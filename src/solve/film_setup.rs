@@ -1,6 +1,6 @@
 //! The films of fluid between lips, and the ties that give both lips one pressure.
 
-use super::flow_setup::Pressures;
+use super::pressures::Pressures;
 use crate::assembly::{Discretization, FilmFacet, FilmNode, Films, Tie};
 use crate::case::Case;
 use crate::comm::Comm;

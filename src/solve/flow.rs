@@ -3,8 +3,9 @@
 //! Masses are divided by the reference density of the fluid, as in [`crate::bulk::PorousCell`].
 
 mod accounts;
+mod balance;
 
-pub use accounts::FluidBalance;
+pub use balance::FluidBalance;
 
 use std::rc::Rc;
 
@@ -16,7 +17,7 @@ use crate::bulk::{FlowStep, Loads};
 use crate::comm::Comm;
 use crate::error::Result;
 use crate::space::PrescribedPressure;
-use accounts::Contents;
+use balance::Contents;
 
 /// Fluid that comes in from outside.
 pub struct Source {

@@ -3,12 +3,14 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use super::blocks::{Beside, Block, Blocks, operators};
+use super::block::Block;
+use super::blocks::{Beside, Blocks, operators};
 use super::coupled::Coupling;
 use super::film_setup::{films, further_nodes, tie_rows, ties};
 use super::flow::{Flow, Source};
 use super::known_pressure::KnownPressure;
 use super::pace::Pace;
+use super::pressures::Pressures;
 use super::whole::Whole;
 use crate::assembly::{Discretization, PoreCell, PoreSpace, TangentOperator, WholeMatrix};
 use crate::bulk::{FlowStep, Loads, MAX_CORNERS, PorousCell, PorousMedium};
@@ -171,14 +173,6 @@ pub fn known_pressure(
     let pressures = Pressures { corners: &corners, prescribed: &prescribed };
     let space = pore_space(comm, case, (mesh, all, &[]), &pressures)?;
     KnownPressure::new(comm, space, prescribed, &case.load_times()).map(Some)
-}
-
-/// Where pressures stand and which of them are prescribed.
-pub(super) struct Pressures<'a> {
-    /// The mesh with cells of first order.
-    pub corners: &'a LocalMesh,
-    /// What the case prescribes.
-    pub prescribed: &'a PrescribedPressure,
 }
 
 /// Nodes, cells, ties and films of the pressure. Collective.

@@ -1,5 +1,6 @@
 //! The nonlinear solution: from one instant to the next.
 
+mod block;
 mod blocks;
 mod condensed;
 mod convergence;
@@ -19,6 +20,7 @@ mod linear;
 pub mod memory;
 mod pace;
 mod path;
+mod pressures;
 mod problem;
 mod reactions;
 mod recycle;
@@ -27,6 +29,7 @@ mod saddle;
 mod setup;
 mod stability;
 mod state;
+mod step_state;
 mod stepping;
 mod unsymmetric;
 mod whole;
@@ -43,5 +46,6 @@ pub use problem::Problem;
 pub use reactions::reactions;
 pub use setup::{Model, build};
 pub use stability::{Instability, Stability};
-pub use state::{MOST_COUNTED, State, StepState};
+pub use state::State;
+pub use step_state::{MOST_COUNTED, StepState};
 pub use stepping::{Accepted, Bifurcation, Stepper};

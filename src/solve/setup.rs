@@ -107,7 +107,8 @@ pub fn build<'a>(
     }
     let form = (form, diagonal);
     let mut problem = Problem::new(comm, timers, all, loads, interfaces, form, convergence, target);
-    let path = |control: &Control| PathControl::new(control.clone(), control.words(case));
+    let path =
+        |control: &Control| PathControl::new(control.clone(), control.words(&case.interfaces));
     problem.known_pressure = known_pressure;
     problem.path = case.control.as_ref().map(path);
     let stepper = Stepper::new(case, problem, snes, (saddle, coupling), x, prescribed);

@@ -1,16 +1,18 @@
 //! From instant to instant, in one step where possible.
 
 mod along_path;
+mod bifurcation;
 mod branching;
 mod descent;
 mod doubts;
+mod growth;
 mod persist;
 mod ramp;
 mod rounding;
 mod start;
 mod words;
 
-pub use branching::Bifurcation;
+pub use bifurcation::Bifurcation;
 
 use std::time::{Duration, Instant};
 
@@ -19,7 +21,7 @@ use super::energy::{Energy, Work};
 use super::problem::Problem;
 use super::saddle::{SaddlePoint, SaddleSystem};
 use super::stability::Instability;
-use super::state::StepState;
+use super::step_state::StepState;
 use crate::assembly::PoreSpace;
 use crate::case::{Case, Stability};
 use crate::error::{Error, Result};
@@ -27,7 +29,7 @@ use crate::fault;
 use crate::petsc::{Snes, SolveReport, Vector};
 use crate::signals;
 use crate::space::Prescribed;
-use branching::Consequence;
+use bifurcation::Consequence;
 use ramp::Ramp;
 
 /// A step is halved at most this often.

@@ -1,7 +1,7 @@
 //! Displacement and pore pressure eliminated together, as the preconditioner of the coupled
 //! problem.
 
-use super::blocks::Block;
+use super::block::Block;
 use crate::assembly::{Discretization, PoreSpace, WholeMatrix, WholeValues};
 use crate::comm::Comm;
 use crate::error::{Error, Result};

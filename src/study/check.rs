@@ -6,7 +6,6 @@ use std::time::Duration;
 
 use serde_json::Value as Json;
 
-use super::charts::chart_of;
 use super::file::{
     AgainstSection, AtSection, AxisSection, Expect, Keep, MeasureSection, Norm, StudyFile,
 };
@@ -16,7 +15,6 @@ use crate::case::limits::seconds;
 use crate::case::problems::{Problems, suggestion};
 use crate::case::tree::Node;
 use crate::case::{Formula, read_text};
-use crate::error::Result;
 use crate::output::history::Table;
 
 /// Pairs of an axis and a choice of it.
@@ -29,7 +27,8 @@ pub(super) struct Checker<'a> {
 }
 
 impl Checker<'_> {
-    pub fn study(mut self, file: StudyFile, text: String) -> Result<Study> {
+    /// The study without its charts; mistakes are added to the problems.
+    pub fn study(&mut self, file: StudyFile, text: String) -> Study {
         let base = self.beside(&file.base);
         let base_text = read_text(&base).unwrap_or_else(|error| {
             self.add(&["base"], error.to_string());
@@ -85,7 +84,7 @@ impl Checker<'_> {
             Some(directory) => PathBuf::from(directory),
             None => Path::new("results").join(&stem),
         };
-        let mut study = Study {
+        Study {
             path: self.path.to_path_buf(),
             text,
             title: file.title.unwrap_or(stem),
@@ -103,13 +102,7 @@ impl Checker<'_> {
             charts: Vec::new(),
             directory,
             keep_all: file.output.keep == Keep::All,
-        };
-        for (index, section) in file.charts.into_iter().enumerate() {
-            if let Some(chart) = chart_of(&mut self, &study, index, section) {
-                study.charts.push(chart);
-            }
         }
-        if self.problems.is_empty() { Ok(study) } else { Err(self.problems.into_error()) }
     }
 
     /// Adds a mistake at the place of these steps.

@@ -11,6 +11,7 @@ mod launch;
 mod measure;
 pub(crate) mod page;
 mod plan;
+mod read;
 mod record;
 mod spec;
 mod stats;

@@ -1,18 +1,11 @@
 //! The study as checked types.
 
-use std::path::{Path, PathBuf};
-use std::sync::LazyLock;
+use std::path::PathBuf;
 use std::time::Duration;
 
-use serde_json::Value as Json;
-
-use super::check::Checker;
-use super::file::{Kind, Scale, StudyFile};
-use crate::case::problems::Problems;
-use crate::case::schema::{check_against, schema_of};
-use crate::case::tree::{self, Origin};
-use crate::case::{Formula, read_text_of};
-use crate::error::{Error, Result};
+use super::file::{Kind, Scale};
+use crate::case::Formula;
+use crate::case::tree::Origin;
 use crate::output::history::Table;
 
 /// One `a.b.c=VALUE`, and where it was written.
@@ -133,30 +126,7 @@ pub(super) struct Study {
     pub keep_all: bool,
 }
 
-static SCHEMA: LazyLock<Json> = LazyLock::new(schema_of::<StudyFile>);
-
 impl Study {
-    /// Reads a study file and its base case.
-    ///
-    /// # Errors
-    /// [`Error::Input`] with one line for each mistake: file, line, column, path, reason.
-    pub fn read(path: &Path) -> Result<Study> {
-        let text = read_text_of("study file", path)?;
-        let mut tree = tree::parse(&text).map_err(|error| {
-            let place =
-                error.place.map_or(String::new(), |(line, column)| format!("{line}:{column}:"));
-            Error::Input(format!("{}:{place} {}", path.display(), error.reason))
-        })?;
-        let mut problems = Problems::new(path, &[]);
-        check_against(&SCHEMA, "the study", &mut tree, &mut problems);
-        if !problems.is_empty() {
-            return Err(problems.into_error());
-        }
-        let file: StudyFile = serde_json::from_value(tree.to_json())
-            .map_err(|error| Error::Input(format!("{}: {error}", path.display())))?;
-        Checker { tree: &tree, path, problems }.study(file, text)
-    }
-
     /// Name and unit of a measure.
     pub fn label_of(&self, measure: &str) -> String {
         self.label(&Quantity::Measure(measure.to_owned()))

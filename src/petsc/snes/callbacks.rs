@@ -8,7 +8,7 @@
 #![allow(unsafe_code)]
 
 use super::definite::Definite;
-use super::{NonlinearSystem, TangentChange, Trial, Verdict};
+use super::system::{NonlinearSystem, TangentChange, Trial, Verdict};
 use crate::error::{Error, Result};
 use crate::petsc::error::check;
 use crate::petsc::linear::{Ksp, LinearFailure, WORTH, Watch};
@@ -307,7 +307,7 @@ pub(super) unsafe extern "C" fn direction<S: NonlinearSystem>(
             // SAFETY: the callbacks that would reach the context stay away from this solve.
             let solved = unsafe { ksp.solve_alone(correction, rhs, solution) };
             // SAFETY: the context is that of the running solve.
-            let restored = unsafe { super::watch_linear::<S>(ksp.raw(), address) };
+            let restored = unsafe { watch_linear::<S>(ksp.raw(), address) };
             solved.and(restored)
         };
         context.system.direction(&x, &mut y, &mut further)?;
@@ -362,4 +362,22 @@ pub(super) unsafe extern "C" fn verdict<S: NonlinearSystem>(
     };
     // SAFETY: as in `residual`.
     unsafe { run::<S>(context, work) }
+}
+
+/// Sets the callbacks of linear solves and their context.
+///
+/// # Safety
+/// `ksp` is valid; `context` is null or a `Context<S>` that outlives every
+/// use of the solver before the next call of this function.
+pub(super) unsafe fn watch_linear<S: NonlinearSystem>(
+    ksp: ffi::KSP,
+    context: *mut c_void,
+) -> Result<()> {
+    // SAFETY: a valid solver, the context by the contract.
+    let code = unsafe { ffi::KSPSetPreSolve(ksp, Some(initial_guess::<S>), context) };
+    check(code, "KSPSetPreSolve")?;
+    let test = Some(linear_verdict::<S> as _);
+    // SAFETY: as above; the context is not PETSc's to free.
+    let code = unsafe { ffi::KSPSetConvergenceTest(ksp, test, context, None) };
+    check(code, "KSPSetConvergenceTest")
 }

@@ -4,7 +4,7 @@
 
 use super::super::linear::Ksp;
 use super::super::{Matrix, ffi};
-use super::NonlinearSystem;
+use super::system::NonlinearSystem;
 use crate::error::Result;
 
 /// A copy of the tangent that is positive definite, where a system makes one: algebraic multigrid

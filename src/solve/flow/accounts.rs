@@ -1,37 +1,10 @@
 //! What the fluid does from one accepted state to the next, and the accounts of it.
 
+use super::balance::Contents;
 use super::{Flow, Source};
 use crate::assembly::Discretization;
 use crate::bulk::FlowStep;
 use crate::comm::Comm;
-
-/// Fluid that came in, went out and is stored beyond what the undeformed state held (kg; 2D: per
-/// metre of thickness).
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct FluidBalance {
-    /// Through prescribed pressures, fluxes and injection, since the start.
-    pub inflow: f64,
-    /// Likewise, counted positive.
-    pub outflow: f64,
-    /// In the pores and between the lips, since the start.
-    pub stored: f64,
-}
-
-/// Stored fluid (m3) and flow (m3/s) at all local nodes at an accepted state, not summed.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Contents {
-    pub(super) stored: Vec<f64>,
-    pub(super) flow: Vec<f64>,
-}
-
-impl Contents {
-    fn clear(&mut self, size: usize) {
-        for of in [&mut self.stored, &mut self.flow] {
-            of.clear();
-            of.resize(size, 0.0);
-        }
-    }
-}
 
 impl Flow {
     /// Makes displacements `u` of all local nodes and the present pressures the state from which

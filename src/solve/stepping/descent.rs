@@ -1,6 +1,7 @@
 //! The way from an unstable state down to a stable one.
 
-use super::branching::{Reached, is_less};
+use super::bifurcation::is_less;
+use super::branching::Reached;
 use super::{Accepted, Stepper};
 use crate::error::Result;
 use crate::solve::energy;

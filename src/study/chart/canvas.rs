@@ -24,6 +24,17 @@ static REGISTERED: LazyLock<bool> = LazyLock::new(|| {
     styles.into_iter().all(|style| register_font("sans-serif", style, FONT).is_ok())
 });
 
+/// The colour of text and lines.
+pub(super) const INK: RGBColor = RGBColor(30, 30, 30);
+
+/// The place of a pair of axes.
+pub(super) struct Frame {
+    pub left: f64,
+    pub top: f64,
+    pub wide: f64,
+    pub high: f64,
+}
+
 /// What can be drawn.
 pub(crate) trait Figure {
     /// Width and height.

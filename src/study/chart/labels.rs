@@ -2,8 +2,7 @@
 
 use plotters::prelude::DrawingBackend;
 
-use super::canvas::{Anchor, Canvas, Drawn, width};
-use super::panel::{Frame, INK};
+use super::canvas::{Anchor, Canvas, Drawn, Frame, INK, width};
 
 /// Height of text.
 const LABEL: f64 = 12.0;

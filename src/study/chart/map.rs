@@ -2,8 +2,8 @@
 
 use plotters::prelude::{DrawingBackend, RGBColor};
 
-use super::canvas::{Anchor, Canvas, Drawn, Figure, width};
-use super::panel::{INK, TEXT, TITLE};
+use super::canvas::{Anchor, Canvas, Drawn, Figure, INK, width};
+use super::panel::{TEXT, TITLE};
 use crate::study::record::Ended;
 
 /// How the runs of one cell ended, each that occurs with its number; empty where none was run.

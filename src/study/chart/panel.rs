@@ -2,7 +2,7 @@
 
 use plotters::prelude::{DrawingBackend, RGBColor};
 
-use super::canvas::{Anchor, Canvas, Drawn, Figure, width};
+use super::canvas::{Anchor, Canvas, Drawn, Figure, Frame, INK, width};
 use super::labels::labels;
 use super::scale::Scale;
 
@@ -16,7 +16,6 @@ pub(crate) const COLORS: [RGBColor; 7] = [
     RGBColor(230, 159, 0),
     RGBColor(0, 0, 0),
 ];
-pub(crate) const INK: RGBColor = RGBColor(30, 30, 30);
 const GREY: RGBColor = RGBColor(130, 130, 130);
 const GRID: RGBColor = RGBColor(228, 228, 228);
 const ZERO: RGBColor = RGBColor(176, 176, 176);
@@ -86,13 +85,6 @@ pub(crate) struct Panels {
     pub panels: Vec<Panel>,
     /// Whether the legend is below the panels, not beside them.
     pub below: bool,
-}
-
-pub(super) struct Frame {
-    pub left: f64,
-    pub top: f64,
-    pub wide: f64,
-    pub high: f64,
 }
 
 const PANEL: (f64, f64) = (520.0, 400.0);

@@ -1,5 +1,7 @@
 //! Rules of the source that the compiler does not check; they read text only.
 
+mod circles;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -61,7 +63,7 @@ impl Source {
     }
 
     fn is_this_file(&self) -> bool {
-        self.path == "tests/architecture.rs"
+        self.path == "tests/architecture/main.rs"
     }
 }
 
@@ -218,6 +220,22 @@ fn modules_use_only_modules_declared_above_them() {
     assert!(!order.is_empty(), "no modules found in src/lib.rs");
     let found = sources_in("src").iter().flat_map(|s| downward_uses(&order, s)).collect();
     assert_none(found, "a module may use only those declared above it in lib.rs");
+}
+
+#[test]
+fn no_files_use_each_other() {
+    let found = circles::circles(&sources_in("src"));
+    assert_none(found, "circles of imports");
+
+    let source = |path: &str, text: &str| Source { path: path.into(), text: text.into() };
+    let circle = [
+        source("src/lib.rs", "pub mod a;\npub mod c;"),
+        source("src/a/mod.rs", "mod b;\npub use b::{B, Other};\n"),
+        source("src/a/b.rs", "use crate::{error::Error, c::{C, D}};\npub struct B;"),
+        source("src/c.rs", "use crate::a::B;\n#[cfg(test)]\nmod tests {\n use crate::a;\n}"),
+        source("src/d.rs", "// use crate::a::B;\nfn f() -> crate::c::C {}"),
+    ];
+    assert_eq!(circles::circles(&circle), ["a::b uses c", "c uses a::b"]);
 }
 
 #[test]

@@ -1,0 +1,61 @@
+//! Loads that are there from the start, reached by steps.
+//!
+//! At the start of a case nothing acts yet; a value that is not zero then jumps within the first
+//! step, however short. Where that step fails, all that jumps grows in proportion to time from the
+//! start to the end of the step that was tried.
+
+use super::ramp::Ramp;
+use super::{Coupling, Stepper};
+use crate::error::Result;
+
+impl Stepper<'_> {
+    /// The part of the loads that jump at the start which acts at `time`.
+    pub(in crate::solve) fn part_at(&self, time: f64) -> f64 {
+        let start = self.case.start;
+        let part = |ramp: &Ramp| ((time - start) / (ramp.end - start)).min(1.0);
+        self.ramp.as_ref().map_or(1.0, part)
+    }
+
+    /// The end of the growth of what jumps at the start, where it is not over. Local.
+    pub(in crate::solve) fn grows_until(&self) -> Option<f64> {
+        self.ramp.as_ref().map(|ramp| ramp.end).filter(|end| self.time < *end)
+    }
+
+    /// Lets the loads that jump at the start grow until `end`. Collective.
+    ///
+    /// # Errors
+    /// `Input` when a formula gives no finite number.
+    pub(in crate::solve) fn grow_until(&mut self, end: f64) -> Result<()> {
+        self.problem.set_load(self.case.start)?;
+        let mut jump = self.problem.load.clone();
+        let initial = match &self.problem.known_pressure {
+            Some(_) => &self.problem.pore_force,
+            None => &self.initial_pore_force,
+        };
+        jump.iter_mut().zip(initial).for_each(|(jump, force)| *jump += force);
+        self.ramp = Some(Ramp { end, jump });
+        Ok(())
+    }
+
+    /// Sets the loads of `time`, with `part` of what jumps at the start. Collective.
+    ///
+    /// # Errors
+    /// `Input` when a formula gives no finite number.
+    pub(in crate::solve) fn set_load(&mut self, time: f64, part: f64) -> Result<()> {
+        self.problem.set_load(time)?;
+        let Some(ramp) = self.ramp.as_ref().filter(|_| part < 1.0) else { return Ok(()) };
+        let load = self.problem.load.iter_mut();
+        load.zip(&ramp.jump).for_each(|(load, jump)| *load -= (1.0 - part) * jump);
+        Ok(())
+    }
+
+    /// Forces of the pressures that are there at the start, per local node, not summed (N); empty
+    /// where none is computed. Local.
+    pub(super) fn pore_force_of(&self, coupling: &Option<Coupling>) -> Vec<f64> {
+        let Some(Coupling { flow, .. }) = coupling else { return Vec::new() };
+        let all = &self.problem.all;
+        let mut force = vec![0.0; all.nodes.len() * all.dim];
+        flow.add_forces(all, &mut force);
+        force
+    }
+}
