@@ -186,7 +186,11 @@ fn wrong(case: &str, preset: &str, ranks: usize) -> Option<String> {
     if preset != "mumps" {
         // The cases ask for digits of tractions that have fallen to a twentieth, the patch for 12;
         // the tolerance is one of the largest forces, which an iterative solver uses up.
-        let digits = if case.starts_with("patch_bulk") { "1.0e-12" } else { "1.0e-10" };
+        let digits = match case {
+            "laws/benzeggagh_kenane.yaml" => "1.0e-11", // its own
+            _ if case.starts_with("patch_bulk") => "1.0e-12",
+            _ => "1.0e-10",
+        };
         scene = scene.set(&format!("solver.tolerance={digits}"));
     }
     match scene.attempt(ranks) {
