@@ -54,6 +54,10 @@ pub fn largest_eigenvalue(comm: &Comm, operator: &TangentOperator) -> f64 {
         std::mem::swap(&mut before, &mut v);
         std::mem::swap(&mut v, &mut w);
     }
+    if diagonal.is_empty() {
+        // Nothing is free: identity rows alone.
+        return MARGIN;
+    }
     let entry = |i: usize, j: usize| match i.abs_diff(j) {
         0 => diagonal[i],
         1 => beside[i.min(j)],
