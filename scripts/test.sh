@@ -58,15 +58,18 @@ beside() {
     return $status
 }
 log=$(mktemp)
-trap 'rm -f "$log"' EXIT
-beside >"$log" 2>&1 &
+lane=
+# Where this ends before its time, nothing runs on alone: the others have a process group of their own.
+trap '[ -z "$lane" ] || kill -- "-$lane" || true; rm -f "$log"' EXIT
+set -m
+beside >"$log" 2>&1 </dev/null &
 lane=$!
-# Where this ends before its time, nothing runs on alone.
-trap 'kill "$lane" 2>/dev/null; rm -f "$log"' EXIT
+set +m
 step acceptance "${tests[@]}" --test acceptance
 all_others() {
     local status=0
     wait "$lane" || status=$?
+    lane=
     cat "$log"
     return $status
 }

@@ -111,14 +111,11 @@ impl Snes {
     }
 
     fn configure(&mut self, setup: &KspSetup) -> Result<()> {
-        let prefix = self.prefix.as_str();
         let norm = ("ksp_norm_type".to_string(), "unpreconditioned".to_string());
         for (name, value) in setup.options.iter().chain([&norm]) {
-            let name = format!("{prefix}{name}");
-            if self.petsc.set_default(&name, value)? {
-                self.defaults.push(name);
-            }
+            self.set_unless_fixed(name, value)?;
         }
+        let prefix = self.prefix.as_str();
         let fixed = |name: &str| -> Result<bool> {
             let name = format!("{prefix}{name}");
             Ok(!self.defaults.contains(&name) && self.petsc.has_option(&name)?)
@@ -152,6 +149,19 @@ impl Snes {
         check(code, "SNESSetJacobian")?;
         // SAFETY: a valid solver.
         check(unsafe { ffi::SNESSetFromOptions(raw) }, "SNESSetFromOptions")
+    }
+
+    /// Sets an option that holds where the user has not set it, now or in the place of one that was
+    /// set so before. Local, alike on all ranks.
+    fn set_unless_fixed(&mut self, name: &str, value: &str) -> Result<()> {
+        let name = format!("{}{name}", self.prefix);
+        if self.defaults.contains(&name) {
+            return self.petsc.set_option(&name, value);
+        }
+        if self.petsc.set_default(&name, value)? {
+            self.defaults.push(name);
+        }
+        Ok(())
     }
 
     /// The preconditioner, for the other files of the fence. Local.

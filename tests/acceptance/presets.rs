@@ -215,7 +215,7 @@ fn shipped_cases_run_with_other_presets() {
 }
 
 #[test]
-#[ignore = "takes an hour: cargo test --release --test acceptance every_shipped -- --ignored"]
+#[ignore = "ten minutes: cargo test --release --test acceptance every_shipped -- --ignored"]
 fn every_shipped_case_runs_with_every_preset() {
     let only = std::env::var("COLUMN_HPC_CASES").unwrap_or_default();
     let mut found = Vec::new();

@@ -5,9 +5,9 @@
 use super::super::error::check;
 use super::super::ffi;
 use super::super::linear::{Ksp, LinearFailure};
+use super::definite::precondition_by;
 use super::{Snes, SolveReport};
 use crate::error::Result;
-use std::ptr;
 
 /// GMRES on a tangent that is indefinite: its vectors stay orthogonal, and where a restart shows
 /// that they were not, it goes on from there.
@@ -60,13 +60,9 @@ impl Snes {
         if !self.is_suspicious(report)? {
             return Ok(false);
         }
-        let method = format!("{}ksp_type", self.prefix);
-        self.petsc.set_option(&method, "gmres")?;
+        self.set_unless_fixed("ksp_type", "gmres")?;
         for (name, value) in GMRES {
-            let name = format!("{}{name}", self.prefix);
-            if self.petsc.set_default(&name, value)? {
-                self.defaults.push(name);
-            }
+            self.set_unless_fixed(name, value)?;
         }
         // SAFETY: a valid solver.
         check(unsafe { ffi::SNESSetFromOptions(self.raw) }, "SNESSetFromOptions")?;
@@ -87,19 +83,11 @@ impl Snes {
             return Ok(false);
         }
         for (name, value) in options {
-            let name = format!("{}{name}", self.prefix);
-            if self.defaults.contains(&name) {
-                self.petsc.set_option(&name, value)?;
-            } else if self.petsc.set_default(&name, value)? {
-                self.defaults.push(name);
-            }
+            self.set_unless_fixed(name, value)?;
         }
         self.definite.forget();
-        let (none, no_context) = (ptr::null_mut(), ptr::null_mut());
-        // SAFETY: a valid solver and its own matrix; null keeps what is set.
-        let code =
-            unsafe { ffi::SNESSetJacobian(self.raw, none, self.matrix.raw(), None, no_context) };
-        check(code, "SNESSetJacobian")?;
+        // SAFETY: a valid solver and its own matrix.
+        unsafe { precondition_by(self.raw, self.matrix.raw()) }?;
         self.forget_factors()?;
         Ok(true)
     }

@@ -7,7 +7,7 @@
 
 #![allow(unsafe_code)]
 
-use super::definite::Definite;
+use super::definite::{Definite, precondition_by};
 use super::system::{NonlinearSystem, TangentChange, Trial, Verdict};
 use crate::error::{Error, Result};
 use crate::petsc::error::check;
@@ -152,10 +152,8 @@ pub(super) unsafe extern "C" fn tangent<S: NonlinearSystem>(
         let change = context.system.tangent(&x, context.matrix)?;
         if change == TangentChange::Changed {
             let of = context.definite.choose(context.system, context.matrix, context.ksp)?;
-            let (none, no_context) = (ptr::null_mut(), ptr::null_mut());
-            // SAFETY: the solver that calls, which hands the matrix to its linear solver next.
-            let code = unsafe { ffi::SNESSetJacobian(snes, none, of, None, no_context) };
-            check(code, "SNESSetJacobian")?;
+            // SAFETY: the solver that calls, and its own matrix or the copy of it.
+            unsafe { precondition_by(snes, of) }?;
         }
         if !context.user.preconditioner {
             // SNES decides on the preconditioner after this call, by its lag: 1 builds it again

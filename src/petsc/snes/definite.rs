@@ -2,10 +2,12 @@
 
 #![allow(unsafe_code)]
 
+use super::super::error::check;
 use super::super::linear::Ksp;
 use super::super::{Matrix, ffi};
 use super::system::NonlinearSystem;
 use crate::error::Result;
+use std::ptr;
 
 /// A copy of the tangent that is positive definite, where a system makes one: algebraic multigrid
 /// understands nothing else.
@@ -50,4 +52,14 @@ impl Definite {
     pub(super) fn or(&self, matrix: &Matrix) -> ffi::Mat {
         self.copy.as_ref().filter(|_| self.is_used).unwrap_or(matrix).raw()
     }
+}
+
+/// Hands the matrix of the preconditioner to the linear solver, from the next correction on. Local.
+///
+/// # Safety
+/// `snes` is a valid solver, `matrix` a valid matrix of its layout.
+pub(super) unsafe fn precondition_by(snes: ffi::SNES, matrix: ffi::Mat) -> Result<()> {
+    let (tangent, context) = (ptr::null_mut(), ptr::null_mut());
+    // SAFETY: valid by the contract; null and none keep the tangent, its function and the context.
+    check(unsafe { ffi::SNESSetJacobian(snes, tangent, matrix, None, context) }, "SNESSetJacobian")
 }

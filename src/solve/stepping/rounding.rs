@@ -46,7 +46,7 @@ impl Stepper<'_> {
             return String::new();
         }
         format!(
-            "\nrounding alone may leave {part:.0e} of the largest volume of fluid out of balance, more than \
+            "\nrounding alone leaves up to {part:.0e} of the largest volume of fluid out of balance, more than \
              solver.tolerance {tolerance:e}: displacements are large beside what flows; longer steps, or a \
              larger tolerance"
         )
