@@ -14,9 +14,10 @@ mod saddle;
 mod second_order;
 mod sweep;
 mod tangent;
-mod whole;
+mod coupled_matrix;
 
 pub use cells::{CellSet, Cells};
+pub use coupled_matrix::{CoupledMatrix, CoupledValues};
 pub use films::{FilmFacet, FilmNode, FilmTangent, Films};
 pub use node_state::NodeState;
 pub use operator::TangentOperator;
@@ -24,7 +25,6 @@ pub use pattern::Pattern;
 pub use pores::{PoreCell, PoreSpace, Tie};
 pub use saddle::{LawDerivative, SaddleTangent};
 pub use tangent::Tangent;
-pub use whole::{WholeMatrix, WholeValues};
 
 use crate::interface::JumpRows;
 use crate::space::{Nodes, Prescribed};

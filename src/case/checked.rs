@@ -1,9 +1,10 @@
 //! A case as the rest of the program sees it.
 
-use super::file::CaseFile;
-use super::{BoundarySpec, Control, Expectation, FlowSpec, Formulation, Imperfection};
-use super::{InterfaceSpec, Material, MeshSpec, OutputSpec, PhysicsDecision, Probe, Reduce};
-use super::{SolverSpec, Value};
+use super::sections::file::CaseFile;
+use super::{
+    BoundarySpec, Control, Expectation, FlowSpec, Formulation, Imperfection, InterfaceSpec,
+    Material, MeshSpec, OutputSpec, PhysicsDecision, Probe, Reduce, SolverSpec, Value,
+};
 
 /// A checked case.
 #[derive(Debug, Clone, PartialEq)]

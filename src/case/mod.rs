@@ -1,61 +1,29 @@
 //! The case file as checked types: whatever is in a [`Case`] can be computed.
 
-mod boundary;
-mod check;
 mod checked;
-mod checker;
-mod control;
-mod file;
-mod flow;
-mod fluid;
-mod formula;
-mod initial;
-mod interface;
-pub(crate) mod limits;
-mod loads;
-mod material;
-mod mesh;
-mod output;
-mod planes;
-pub(crate) mod problems;
-mod results;
-pub(crate) mod schema;
+mod checks;
+mod schema;
 mod sections;
-mod size;
-mod solver;
-mod supports;
-pub(crate) mod tree;
-mod value;
 
+pub use crate::input::{Formula, Value};
 pub use crate::law::LawSpec;
-pub use boundary::{BoundarySpec, Surface};
 pub use checked::Case;
-pub use control::{Control, ControlKind};
-pub use flow::{FlowSpec, PhysicsDecision};
-pub use formula::Formula;
-pub use initial::Imperfection;
-pub use interface::{FilmSpec, InterfaceSpec, Side};
-pub use limits::Every;
-pub use material::{Material, Porous};
-pub use mesh::{Cells, Formulation, MeshSpec};
-pub use output::{Expectation, Fields, OutputSpec, Probe};
-pub use planes::CLOSEST_PLANES;
+pub use checks::PhysicsDecision;
+pub use checks::{BULK, CLOSEST_PLANES, Control, ControlKind, Every, FlowSpec, Imperfection};
 pub use schema::schema;
-pub use solver::{Form, Linear, Reduce, SolverSpec, Stability};
-pub use value::Value;
+pub use sections::{BoundarySpec, Cells, Expectation, Fields, FilmSpec, Form, Formulation};
+pub use sections::{InterfaceSpec, Linear, Material, MeshSpec, OutputSpec, Porous, Probe, Reduce};
+pub use sections::{Side, SolverSpec, Stability, Surface};
 
 use std::collections::BTreeSet;
-use std::io::Read;
 use std::path::Path;
 
 use crate::error::{Error, Result};
-pub use check::BULK;
-use checker::Checker;
-use problems::Problems;
-use tree::{Data, Node, Origin};
+use crate::input::problems::Problems;
+use crate::input::text::{LARGEST, read_text_of};
+use crate::input::tree::{self, Data, Node, Origin};
+use checks::Checker;
 
-/// Largest case file that is read, in bytes.
-const LARGEST: u64 = 1 << 20;
 /// Most overrides.
 const MOST_OVERRIDES: usize = 1000;
 
@@ -185,27 +153,6 @@ fn sections(tree: &Node, broken: &BTreeSet<String>) -> serde_json::Value {
 /// [`Error::Input`] when it is missing, unreadable, a directory, too large or not UTF-8.
 pub fn read_text(path: &Path) -> Result<String> {
     read_text_of("case file", path)
-}
-
-/// As [`read_text`], for another kind of file.
-pub(crate) fn read_text_of(kind: &str, path: &Path) -> Result<String> {
-    let refuse = |reason: String| Error::Input(format!("{}: {reason}", path.display()));
-    let unreadable = |error: std::io::Error| match error.kind() {
-        std::io::ErrorKind::NotFound => refuse(format!("there is no such {kind}")),
-        _ => refuse(format!("the {kind} cannot be read: {error}")),
-    };
-    let about = std::fs::metadata(path).map_err(unreadable)?;
-    if about.is_dir() {
-        return Err(refuse(format!("is a directory; name the {kind} in it")));
-    }
-    // The limit holds for pipes too, whose length is not known beforehand.
-    let mut bytes = Vec::new();
-    let file = std::fs::File::open(path).map_err(unreadable)?;
-    file.take(LARGEST + 1).read_to_end(&mut bytes).map_err(unreadable)?;
-    if bytes.len() as u64 > LARGEST {
-        return Err(refuse(format!("the {kind} is larger than {LARGEST} bytes")));
-    }
-    String::from_utf8(bytes).map_err(|_| refuse(format!("the {kind} is not UTF-8 text")))
 }
 
 #[cfg(test)]

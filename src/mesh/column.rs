@@ -82,7 +82,7 @@ impl Column {
         let mut bodies = Vec::new();
         for (index, ends) in planes.windows(2).enumerate() {
             let (cells, mut levels) = match &case.mesh.cells {
-                Cells::Whole(n) => (*n, uniform([0.0, size[2]], n[2])),
+                Cells::Column(n) => (*n, uniform([0.0, size[2]], n[2])),
                 Cells::Bodies(list) => (list[index], uniform([ends[0], ends[1]], list[index][2])),
             };
             levels.extend(changes.iter().chain(ends));

@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use crate::assembly::TangentOperator;
 use crate::comm::Comm;
-use crate::partition::mix;
+use crate::hash::mix;
 use crate::petsc::LinearOperator;
 
 /// Lanczos steps; ten find the end of such a spectrum to a few percent, from below.

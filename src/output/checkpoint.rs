@@ -8,13 +8,13 @@ use std::path::{Path, PathBuf};
 
 use ::hdf5::{Dataset, File, H5Type, LinkType};
 
+use super::atomic_hdf5::AtomicFile;
 use super::publisher::Publisher;
 use super::vtkhdf::rows_of;
-use super::whole::WholeFile;
 use crate::comm::{Comm, Rows, first_of};
 use crate::error::{Error, Result};
 use crate::fault;
-use crate::partition::mix;
+use crate::hash::mix;
 
 /// Name of the newest checkpoint of a directory.
 pub const NEWEST: &str = "checkpoint.h5";
@@ -66,7 +66,7 @@ pub fn write(
     let own_checksums: &[u64] = if root { &checksums } else { &[] };
     let numbers = |rows: &Rows| 8 * comm.sum_u64((rows.names.len() + rows.values.len()) as u64);
     let size = state.meta.len() as u64 + numbers(&nodal) + numbers(&interface) + 65536;
-    let writing = WholeFile { comm, path: &path };
+    let writing = AtomicFile { comm, path: &path };
     let publish = |temporary: &Path| publisher.replace(temporary, &path, &previous);
     writing.write(GROUP, size, publish, |file, group| {
         fault::strike(comm, "checkpoint")?;

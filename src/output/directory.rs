@@ -3,11 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::comm::Comm;
-use serde_json::Value;
-
 use super::{atomic, checkpoint};
+use crate::comm::Comm;
 use crate::error::{Error, Result};
+use serde_json::Value;
 
 /// Name of the history table.
 pub const HISTORY: &str = "history.csv";

@@ -14,4 +14,4 @@ pub mod lock;
 pub mod publisher;
 pub mod series;
 pub mod vtkhdf;
-pub mod whole;
+pub mod atomic_hdf5;

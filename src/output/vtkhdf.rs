@@ -8,16 +8,15 @@
 
 use std::path::Path;
 
-use crate::comm::Comm;
-use crate::element::Shape;
-use ::hdf5::Group;
-use ::hdf5::types::FixedAscii;
-
+use super::atomic_hdf5::AtomicFile;
 use super::hdf5::{CollectiveFile, Rows};
 use super::publisher::Publisher;
-use super::whole::WholeFile;
+use crate::comm::Comm;
+use crate::element::Shape;
 use crate::error::{Error, Result};
 use crate::fault;
+use ::hdf5::Group;
+use ::hdf5::types::FixedAscii;
 
 /// VTK's number of a kind of cell.
 pub const fn cell_type(shape: Shape) -> u8 {
@@ -200,7 +199,7 @@ fn check(grid: &Grid, points: u64, data: Data) -> Result<()> {
 }
 
 struct GridWriter<'a> {
-    file: WholeFile<'a>,
+    file: AtomicFile<'a>,
     points: Rows,
     cells: Rows,
     connectivity: Rows,
@@ -211,7 +210,7 @@ impl<'a> GridWriter<'a> {
     fn new(comm: &'a Comm, path: &'a Path, grid: &Grid) -> Self {
         let (points, cells) = (rows_of(comm, grid.points.len()), rows_of(comm, grid.shapes.len()));
         let connectivity = rows_of(comm, grid.connectivity.len());
-        Self { file: WholeFile { comm, path }, points, cells, connectivity }
+        Self { file: AtomicFile { comm, path }, points, cells, connectivity }
     }
 
     /// Bytes of data, with ample room for names and shapes.

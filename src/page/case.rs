@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::Run;
 use super::words::{Unit, flat, in_words, number, table};
-use crate::study::page::escaped;
+use crate::html::escaped;
 
 /// Mesh, materials, interfaces, what is prescribed, and how it was solved.
 pub(super) fn case(html: &mut String, run: &Run<'_>) {

@@ -2,7 +2,7 @@
 
 use super::Figure;
 use super::words::Unit;
-use crate::study::chart::{Line, Look, Panel, Panels, Scale};
+use crate::chart::{Line, Look, Panel, Panels, Scale};
 
 /// Points that have markers of their own.
 const MOST_MARKED: usize = 60;

@@ -5,8 +5,8 @@ use super::law_path::{Curve, Mean, along, first_loading};
 use super::words::{Unit, column, in_words, number};
 use super::{Charts, Figure, Run};
 use crate::case::InterfaceSpec;
+use crate::chart::{Line, Look, Panel};
 use crate::law::InterfaceLaw;
-use crate::study::chart::{Line, Look, Panel};
 
 /// Interfaces that are drawn; a case may have a thousand.
 const MOST_INTERFACES: usize = 16;

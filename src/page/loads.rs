@@ -5,7 +5,7 @@ use super::law_path::Curve;
 use super::words::{Unit, column, number, pairs};
 use super::{Charts, Run};
 use crate::case::{Case, Surface, Value};
-use crate::study::chart::{Line, Panel};
+use crate::chart::{Line, Panel};
 
 /// Reactions below this part of the largest are rounding only.
 const ROUNDING: f64 = 1e-9;

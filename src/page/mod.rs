@@ -14,10 +14,10 @@ use std::fmt::Write;
 use serde_json::Value;
 
 use crate::case::Case;
+use crate::chart::{Panels, svg};
 use crate::error::Result;
+use crate::html::{escaped, inlined};
 use crate::output::history::Table;
-use crate::study::chart::{Panels, svg};
-use crate::study::page::{escaped, inlined};
 
 /// What a page is made of.
 #[derive(Debug, Clone, Copy)]

@@ -7,7 +7,7 @@ use serde_json::Value;
 use super::Run;
 use super::over_time::time_label;
 use super::words::{flat, number, number_or_dash, table};
-use crate::study::page::escaped;
+use crate::html::escaped;
 
 /// Rows of a table that is shown at once.
 const SHOWN: usize = 12;

@@ -4,7 +4,7 @@ use super::figures::look;
 use super::words::{Unit, column, pairs};
 use super::{Charts, Figure, Run};
 use crate::case::ControlKind;
-use crate::study::chart::{Line, Look, Panel, Panels, Scale};
+use crate::chart::{Line, Look, Panel, Panels, Scale};
 
 /// Lines of one chart that can be told apart.
 const MOST_LINES: usize = 12;

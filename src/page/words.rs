@@ -146,7 +146,7 @@ pub(super) fn pairs(x: &[Option<f64>], y: &[Option<f64>]) -> Vec<(f64, f64)> {
 
 /// A table of HTML; the cells are text.
 pub(super) fn table(html: &mut String, head: &[&str], rows: &[Vec<String>]) {
-    use crate::study::page::escaped;
+    use crate::html::escaped;
     html.push_str("<div class=\"scroll\"><table>\n");
     if !head.is_empty() {
         let cells = head.iter().map(|cell| format!("<th>{}</th>", escaped(cell)));

@@ -9,6 +9,7 @@ mod metis;
 
 use crate::comm::Comm;
 use crate::error::{Error, Result};
+use crate::hash::mix;
 use crate::mesh::{CellPlace, Column, Facets};
 
 /// Weight of the edge between two facing cells of an interface, against 1 within a body.
@@ -72,14 +73,6 @@ fn lists(column: &Column, parts: usize, method: Method) -> Result<Vec<Vec<u64>>>
         lists[*rank as usize].push(cell as u64);
     }
     Ok(lists)
-}
-
-/// A well mixed number (the finaliser of splitmix64), the same on every rank.
-pub fn mix(name: u64) -> u64 {
-    let mut z = name.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }
 
 /// The dual graph of the column in compressed form.

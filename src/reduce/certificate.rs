@@ -8,7 +8,7 @@ use super::{Prolongation, Snapshot};
 use crate::case::{Case, Surface};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
-use crate::solve::{Foundation, reactions};
+use crate::solve::{BoundaryValueProblem, reactions};
 
 /// Differences of this size, over the largest value, are rounding.
 const ROUNDING: f64 = 1e-12;
@@ -33,21 +33,21 @@ pub struct Proof {
 }
 
 /// Shows how far the prolonged states of a smaller model are from those of the model of
-/// `foundation`. Collective.
+/// `asked`. Collective.
 ///
 /// # Errors
 /// `Numerics` with what stands in the way; as the loads and prescribed displacements of the case.
 pub fn prove(
     comm: &Comm,
     case: &Case,
-    foundation: &Foundation,
+    asked: &BoundaryValueProblem,
     prolongation: &Prolongation,
     states: &[Snapshot],
 ) -> Result<Proof> {
     let surfaces = case.supported_surfaces();
-    let proof = Prover { comm, case, foundation, prolongation, states, surfaces };
-    let lips = Lips { case, foundation, prolongation, states };
-    let strain = size_over_strain(case, &foundation.mesh.column, &lips.joints());
+    let proof = Prover { comm, case, asked, prolongation, states, surfaces };
+    let lips = Lips { case, asked, prolongation, states };
+    let strain = size_over_strain(case, &asked.mesh.column, &lips.joints());
     let (softening, strain) = comm.agree_alike(
         lips.softening().and_then(|share| Ok((share, strain?))).map_err(Error::Numerics),
     )?;
@@ -59,7 +59,7 @@ pub fn prove(
     if energy == 0.0 {
         return Err(Error::Numerics("nothing is deformed".into()));
     }
-    let cells = foundation.mesh.prototypes.iter().map(|p| (p.size, p.order));
+    let cells = asked.mesh.prototypes.iter().map(|p| (p.size, p.order));
     let mut least = [size_over_values(case.dim, cells)];
     comm.min(&mut least);
     // |e|^2 <= R.e / (1 - softening) and |e_j| <= sqrt(strain / (stiffness mass)) |e|.
@@ -95,7 +95,7 @@ struct Residual {
 struct Prover<'p> {
     comm: &'p Comm,
     case: &'p Case,
-    foundation: &'p Foundation,
+    asked: &'p BoundaryValueProblem,
     prolongation: &'p Prolongation,
     states: &'p [Snapshot],
     /// Those that prescribe a displacement.
@@ -113,7 +113,7 @@ impl Prover<'_> {
 
     /// The first displacement of this rank's that is prescribed and not met, in words. Local.
     fn first_not_met(&self) -> Result<Option<String>> {
-        let Foundation { all, prescribed, .. } = self.foundation;
+        let BoundaryValueProblem { all, prescribed, .. } = self.asked;
         let held = (0..all.nodes.owned).filter(|node| all.prescribed[*node] != [false; 3]);
         let names: Vec<u64> = held.map(|node| all.nodes.names[node]).collect();
         let entries: Vec<_> = names.iter().map(|name| prescribed.entries_of(*name)).collect();
@@ -139,7 +139,7 @@ impl Prover<'_> {
     /// The largest difference of the jump, and of the tractions that are interpolated, from those
     /// that the law has answered with, over their scales. Collective.
     fn jump_defect(&self) -> f64 {
-        let all = &self.foundation.all;
+        let all = &self.asked.all;
         let dim = all.dim;
         let secondary = &all.secondary[..all.owned_secondary()];
         let mut nodes: Vec<u32> = secondary
@@ -259,7 +259,7 @@ impl Prover<'_> {
     /// Local.
     fn stacked(&self, state: &Snapshot) -> Vec<f64> {
         let modulus = self.case.materials.iter().map(|m| m.young_modulus).fold(0.0, f64::max);
-        let scale = modulus / self.foundation.mesh.column.size[2];
+        let scale = modulus / self.asked.mesh.column.size[2];
         let displacement = self.without_translations(state);
         let tractions = state.interface.iter().flatten().flat_map(|n| n.response.law_traction);
         let strains = displacement.into_iter().flatten().map(|u| scale * u);
@@ -281,11 +281,11 @@ impl Prover<'_> {
 
     /// The residual of a prolonged state. Collective.
     fn residual(&self, state: &Snapshot) -> Result<Residual> {
-        let Foundation { mesh, all, loads, .. } = self.foundation;
+        let BoundaryValueProblem { mesh, all, loads, .. } = self.asked;
         let dim = all.dim;
         let mut force = vec![0.0; all.nodes.len() * dim];
         let displacement = self.without_translations(state);
-        let energy = add_forces(self.foundation, self.prolongation, &displacement, &mut force);
+        let energy = add_forces(self.asked, self.prolongation, &displacement, &mut force);
         let added = loads.add(state.time, |name, component, load| {
             let node = all.nodes.local(name).expect("loads act on the rank's own cells") as usize;
             force[node * dim + component] -= load;

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::{Prolongation, Snapshot};
 use crate::mesh::{CellPlace, Column, axes};
-use crate::solve::Foundation;
+use crate::solve::BoundaryValueProblem;
 
 /// What is left of nodal values of this size, over the largest, when their linear part is taken out
 /// is rounding.
@@ -32,12 +32,12 @@ struct Parent {
 /// from nodal values, which are large beside their differences in small cells, rounding would be
 /// all that is seen.
 pub fn add_forces(
-    foundation: &Foundation,
+    asked: &BoundaryValueProblem,
     prolongation: &Prolongation,
     displacement: &[[f64; 3]],
     force: &mut [f64],
 ) -> f64 {
-    let Foundation { mesh, all, .. } = foundation;
+    let BoundaryValueProblem { mesh, all, .. } = asked;
     let (dim, column) = (all.dim, &mesh.column);
     let largest = displacement.iter().flatten().fold(0.0_f64, |m, u| m.max(u.abs()));
     let parents: Vec<Parent> = (0..prolongation.narrow().cells())

@@ -5,7 +5,7 @@ use super::{InterfaceSnapshot, Prolongation, Snapshot, both_could_soften};
 use crate::case::Case;
 use crate::law::Branch;
 use crate::mesh::Column;
-use crate::solve::{Foundation, NodeResponse};
+use crate::solve::{BoundaryValueProblem, NodeResponse};
 
 /// Tractions of this size, over the strength, are rounding.
 const ROUNDING: f64 = 1e-9;
@@ -15,7 +15,7 @@ const CLOSE: f64 = 1e-6;
 /// The interfaces in the states of a smaller model; the same on all ranks.
 pub struct Lips<'p> {
     pub case: &'p Case,
-    pub foundation: &'p Foundation,
+    pub asked: &'p BoundaryValueProblem,
     pub prolongation: &'p Prolongation,
     pub states: &'p [Snapshot],
 }
@@ -28,8 +28,8 @@ impl Lips<'_> {
 
     /// The states of the nodes of an interface at all instants. Local.
     fn nodes_of(&self, interface: usize) -> impl Iterator<Item = &InterfaceSnapshot> {
-        let body = self.foundation.sides[interface].secondary.body;
-        let upper = self.foundation.sides[interface].secondary.upper;
+        let body = self.asked.sides[interface].secondary.body;
+        let upper = self.asked.sides[interface].secondary.upper;
         self.states.iter().flat_map(move |state| {
             let nodes = state.interface.iter().enumerate();
             let on = move |name: usize| self.prolongation.is_on(body, upper, name);
@@ -39,7 +39,7 @@ impl Lips<'_> {
 
     /// What the states say of the interfaces. Local, the same on all ranks.
     pub fn joints(&self) -> Joints {
-        let column = &self.foundation.mesh.column;
+        let column = &self.asked.mesh.column;
         let count = self.case.interfaces.len();
         let holds = |b: Branch| matches!(b, Branch::Stick | Branch::StickClosed | Branch::Tied);
         let is_tied = (0..count).map(|i| self.branches(i).all(|(b, _)| holds(b))).collect();
@@ -82,8 +82,8 @@ impl Lips<'_> {
                 name(interface)
             ));
         };
-        let column: &Column = &self.foundation.mesh.column;
-        let cells = column.extent(self.foundation.sides[interface].secondary.body);
+        let column: &Column = &self.asked.mesh.column;
+        let cells = column.extent(self.asked.sides[interface].secondary.body);
         let share = softening(self.case, column, (name(interface), slope), cells)?;
         if share >= 1.0 {
             return Err(format!(

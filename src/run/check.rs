@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::interface::{Sides, unresolved_zones};
 use crate::mesh::{Column, LocalMesh};
 use crate::reduce::{NONE_OF_USE, Situation, candidates, refusal};
-use crate::solve::memory::{memory, pressures};
+use crate::solve::model::memory::{memory, pressures};
 use crate::solve::{LinearChoice, strength_factors};
 use crate::space::{AtNode, Prescribed, PrescribedPressure};
 

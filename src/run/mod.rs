@@ -19,7 +19,6 @@ use crate::case::{Case, read_text};
 use crate::cli::{Command, RunOptions};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
-use crate::fault;
 use crate::interface::unresolved_zones;
 use crate::mesh::{Column, LocalMesh};
 use crate::output::directory::OutputDirectory;
@@ -27,10 +26,10 @@ use crate::output::lock::Lock;
 use crate::partition::{self, Method};
 use crate::reduce::{Reduction, Situation};
 use crate::runtime::Runtime;
-use crate::signals;
-use crate::solve::{self, Foundation, LinearChoice, MULTIGRID, Model};
+use crate::solve::{self, BoundaryValueProblem, LinearChoice, MULTIGRID, Model};
 use crate::study::{self, Request};
 use crate::timers::{Phase, Timers};
+use crate::{fault, signals};
 use checkpoint::Restart;
 use reduced::{Reduced, attempt};
 use session::{Session, Solution};
@@ -209,16 +208,16 @@ fn build<'a>(
     fault::strike(comm, "distribute")?;
     let phase = timers.enter(Phase::Assembly);
     let finest = meshes.pop().ok_or_else(|| Error::Bug("no mesh".into()))?;
-    let foundation = Foundation::new(comm, case, finest)?;
+    let problem = BoundaryValueProblem::new(comm, case, finest)?;
     drop(phase);
     let has_options = runtime.petsc.has_options();
-    let unknowns = foundation.all.nodes.total * case.dim as u64;
+    let unknowns = problem.all.nodes.total * case.dim as u64;
     let situation = Situation { unknowns, goes_on, has_options };
-    let (reduction, reduced) = attempt(runtime, timers, case, &foundation, situation)?;
+    let (reduction, reduced) = attempt(runtime, timers, case, &problem, situation)?;
     let _phase = timers.enter(Phase::Assembly);
     if let Some(reduced) = &reduced {
         choice = LinearChoice::none(reduced.why_no_solver());
     }
-    let model = solve::build(runtime, timers, case, choice, foundation, meshes)?;
+    let model = solve::build(runtime, timers, case, choice, problem, meshes)?;
     Ok((model, reduction, reduced))
 }

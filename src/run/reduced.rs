@@ -11,7 +11,7 @@ use crate::reduce::{
     are_straight, both_could_soften, candidates, narrowed, prove, refusal,
 };
 use crate::runtime::Runtime;
-use crate::solve::{self, Accepted, Foundation, LinearChoice, Model};
+use crate::solve::{self, Accepted, BoundaryValueProblem, LinearChoice, Model};
 use crate::timers::{Phase, Timers};
 
 /// The solution of a smaller model that serves in the place of the one asked for.
@@ -32,7 +32,7 @@ pub fn attempt(
     runtime: &Runtime,
     timers: &Timers,
     case: &Case,
-    foundation: &Foundation,
+    asked: &BoundaryValueProblem,
     situation: Situation,
 ) -> Result<(Reduction, Option<Reduced>)> {
     if let Some(why) = refusal(case, situation) {
@@ -40,8 +40,8 @@ pub fn attempt(
     }
     let _phase = timers.enter(Phase::Solve);
     let mut why = NONE_OF_USE.to_owned();
-    for candidate in candidates(case, &foundation.mesh.column) {
-        match serves(runtime, timers, case, foundation, &candidate) {
+    for candidate in candidates(case, &asked.mesh.column) {
+        match serves(runtime, timers, case, asked, &candidate) {
             Ok(Ok((certificate, reduced))) => {
                 let (applied, why) = (true, candidate.left_out.to_owned());
                 let reduction = Reduction { applied, why, certificate: Some(certificate) };
@@ -65,12 +65,12 @@ fn serves(
     runtime: &Runtime,
     timers: &Timers,
     case: &Case,
-    foundation: &Foundation,
+    asked: &BoundaryValueProblem,
     candidate: &Candidate,
 ) -> Result<std::result::Result<(Certificate, Reduced), String>> {
-    let (comm, wide) = (&runtime.comm, &foundation.mesh.column);
+    let (comm, wide) = (&runtime.comm, &asked.mesh.column);
     let started = Instant::now();
-    let narrow = narrowed(case, &foundation.sides);
+    let narrow = narrowed(case, &asked.sides);
     let solved = instants(&runtime.alone(), timers, &narrow, candidate);
     let (states, rows, unknowns) = comm.agree_alike(solved)?;
     let prolongation = Prolongation::new(&candidate.column, wide);
@@ -81,7 +81,7 @@ fn serves(
     if comm.any(bends) {
         return Ok(Err("the displacements vary across the section".into()));
     }
-    let proof = prove(comm, case, foundation, &reduced.prolongation, &reduced.states)?;
+    let proof = prove(comm, case, asked, &reduced.prolongation, &reduced.states)?;
     let (bound, tolerance) = (proof.error_bound, case.solver.tolerance);
     if bound > tolerance {
         return Ok(Err(format!(
@@ -89,11 +89,11 @@ fn serves(
              (solver.tolerance is {tolerance:.1e})"
         )));
     }
-    reduced.fill(runtime, case, foundation, &proof.reactions);
+    reduced.fill(runtime, case, asked, &proof.reactions);
     let certificate = Certificate {
         error_bound: bound,
         softening: proof.softening,
-        unknowns_asked: foundation.all.nodes.total * case.dim as u64,
+        unknowns_asked: asked.all.nodes.total * case.dim as u64,
         unknowns_solved: unknowns,
         residuals: proof.residuals,
         solution_seconds,
@@ -114,7 +114,7 @@ fn instants(
     let comm = &alone.comm;
     let cells: Vec<u64> = (0..candidate.column.cells()).collect();
     let mesh = LocalMesh::new(&candidate.column, cells, candidate.column.cells());
-    let small = Foundation::new(comm, narrow, mesh)?;
+    let small = BoundaryValueProblem::new(comm, narrow, mesh)?;
     let choice = LinearChoice::new(narrow, &candidate.column);
     let mut model = solve::build(alone, timers, narrow, choice, small, Vec::new())?;
     let probes = probes::locate(narrow, &model.mesh);
@@ -166,10 +166,10 @@ impl Reduced {
         &mut self,
         runtime: &Runtime,
         case: &Case,
-        foundation: &Foundation,
+        asked: &BoundaryValueProblem,
         reactions: &[Vec<[f64; 3]>],
     ) {
-        let all = &foundation.all;
+        let all = &asked.all;
         let mut has = vec![0.0; 3 * case.interfaces.len()];
         for rows in &all.secondary[..all.owned_secondary()] {
             for c in (0..case.dim).filter(|c| rows.rows[*c].is_some()) {

@@ -9,7 +9,7 @@ use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::mesh::Column;
 use crate::report::memory::entry;
-use crate::solve::memory::memory;
+use crate::solve::model::memory::memory;
 use crate::solve::{LinearChoice, MULTIGRID};
 
 /// Part of the memory that is available that a run may take.

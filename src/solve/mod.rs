@@ -1,51 +1,21 @@
 //! The nonlinear solution: from one instant to the next.
+//!
+//! The folders stand in the order in which they are built on each other.
 
-mod block;
-mod blocks;
-mod condensed;
-mod convergence;
-mod coupled;
-mod earlier;
-mod eigen;
-mod energy;
-mod film_setup;
-mod flow;
-mod flow_setup;
-mod foundation;
-mod held;
-mod imperfection;
-mod interfaces;
-mod known_pressure;
-mod linear;
-pub mod memory;
-mod pace;
-mod path;
-mod pressures;
+pub mod model;
+mod guess;
 mod problem;
-mod reactions;
-mod recycle;
-mod rigid;
-mod saddle;
-mod setup;
 mod stability;
-mod state;
-mod step_state;
+mod flow;
 mod stepping;
-mod unsymmetric;
-mod whole;
+mod setup;
+mod state;
 
-pub use coupled::Coupling;
-pub use energy::Energy;
-pub use flow::{Flow, FluidBalance};
-pub use foundation::Foundation;
-pub use imperfection::strength_factors;
-pub use interfaces::{InterfaceState, NodeResponse};
-pub use known_pressure::KnownPressure;
-pub use linear::{LinearChoice, MULTIGRID};
-pub use problem::Problem;
-pub use reactions::reactions;
+pub use flow::{Coupling, Flow, FluidBalance};
+pub use model::strength_factors;
+pub use model::{BoundaryValueProblem, InterfaceState, LinearChoice, MULTIGRID, NodeResponse};
+pub use problem::{Energy, KnownPressure, Problem, reactions};
 pub use setup::{Model, build};
 pub use stability::{Instability, Stability};
 pub use state::State;
-pub use step_state::{MOST_COUNTED, StepState};
-pub use stepping::{Accepted, Bifurcation, Stepper};
+pub use stepping::{Accepted, Bifurcation, MOST_COUNTED, StepState, Stepper};

@@ -2,16 +2,15 @@
 
 use std::rc::Rc;
 
-use super::convergence::Convergence;
-use super::coupled::Coupling;
-use super::flow_setup::{MECHANICS, couple, known_pressure};
-use super::foundation::{Foundation, discretize};
-use super::imperfection::strength_factors;
-use super::interfaces::{InterfaceState, JointLaw};
-use super::linear::{LinearChoice, LinearTarget, MULTIGRID};
-use super::path::PathControl;
+use super::flow::coupled::Coupling;
+use super::flow::setup::{MECHANICS, couple, known_pressure};
+use super::model::interfaces::{InterfaceState, JointLaw};
+use super::model::linear::{LinearChoice, LinearTarget, MULTIGRID};
+use super::model::{BoundaryValueProblem, discretize, strength_factors};
+use super::problem::convergence::Convergence;
+use super::problem::path::PathControl;
+use super::problem::saddle::SaddlePoint;
 use super::problem::{Problem, TangentForm};
-use super::saddle::SaddlePoint;
 use super::stepping::Stepper;
 use crate::assembly::{Discretization, Pattern, SaddleTangent, Tangent, TangentOperator};
 use crate::case::{Case, Control, Form};
@@ -39,7 +38,7 @@ pub struct Model<'a> {
     pub unknowns: u64,
 }
 
-/// Builds the problem of `foundation`, with the solver of `choice`. The meshes of `coarser` are
+/// Builds the model of a problem, with the solver of `choice`. The meshes of `coarser` are
 /// nested in its mesh, coarsest first; only multigrid uses them. Collective.
 ///
 /// # Errors
@@ -49,11 +48,11 @@ pub fn build<'a>(
     timers: &'a Timers,
     case: &'a Case,
     choice: LinearChoice,
-    foundation: Foundation,
+    problem: BoundaryValueProblem,
     coarser: Vec<LocalMesh>,
 ) -> Result<Model<'a>> {
     let comm = &runtime.comm;
-    let Foundation { mesh, all, sides, prescribed, loads } = foundation;
+    let BoundaryValueProblem { mesh, all, sides, prescribed, loads } = problem;
     let dim = case.dim;
     let unknowns = all.nodes.total * dim as u64;
     let laws = joint_laws(case, &mesh, &sides);
@@ -83,11 +82,9 @@ pub fn build<'a>(
         levels.push((mesh.column.clone(), Rc::clone(&all)));
     }
     let system = system(runtime, case, &choice, &mesh, &all, levels)?;
-    let System { mut snes, form, diagonal, saddle, mut rows } = system;
+    let System { snes, form, diagonal, saddle, rows } = system;
     let known_pressure = known_pressure(comm, case, (&mesh, &all))?;
-    let mut coupling = None;
-    let mut width = dim;
-    if let Some(flow) = &case.flow {
+    let (snes, mut x, mut coupling) = if let Some(flow) = &case.flow {
         let tangent = match &form {
             TangentForm::Levels(hierarchy) => Rc::clone(hierarchy.finest()),
             _ => Rc::new(TangentOperator::new(Rc::clone(&all), diagonal)),
@@ -96,10 +93,11 @@ pub fn build<'a>(
         let solver = (snes, tangent);
         let coupled =
             couple(runtime, case, flow, (&mesh, &all, &sides), solver, eliminate.as_ref())?;
-        (snes, rows, width) = (coupled.0, coupled.2, 1);
-        coupling = Some(coupled.1);
-    }
-    let mut x = Vector::new(&runtime.petsc, rows, width)?;
+        let x = Vector::new(&runtime.petsc, coupled.rows, 1)?;
+        (coupled.snes, x, Some(coupled.coupling))
+    } else {
+        (snes, Vector::new(&runtime.petsc, rows, dim)?, None)
+    };
     if let Some(Coupling { flow, .. }) = &mut coupling {
         let unknowns = &mut x.write()?[all.nodes.owned * dim..];
         unknowns.iter_mut().zip(&flow.pressure).for_each(|(x, p)| *x = p / flow.scale);
@@ -134,9 +132,9 @@ struct System {
 }
 
 /// The operator of a model that nobody solves.
-struct Nothing;
+struct NoTangent;
 
-impl LinearOperator for Nothing {
+impl LinearOperator for NoTangent {
     fn multiply(&self, _: &[f64], y: &mut [f64]) {
         y.fill(f64::NAN);
     }
@@ -159,9 +157,9 @@ fn system(
     let prefix = if case.flow.is_some() { MECHANICS } else { "" };
     if choice.options.is_empty() {
         let rows = all.nodes.owned * dim;
-        let matrix = Matrix::shell(petsc, rows, rows, dim, Rc::new(Nothing))?;
+        let matrix = Matrix::shell(petsc, rows, rows, dim, Rc::new(NoTangent))?;
         let snes = Snes::new(petsc, prefix, matrix, &setup)?;
-        return Ok(System { snes, form: TangentForm::Elsewhere, diagonal, saddle: None, rows });
+        return Ok(System { snes, form: TangentForm::None, diagonal, saddle: None, rows });
     }
     if !levels.is_empty() {
         let mut hierarchy = Hierarchy::new(comm, petsc, levels)?;
@@ -185,7 +183,7 @@ fn system(
         matrix.declare_unsymmetric()?;
         let snes = Snes::new(petsc, "", matrix, &setup)?;
         let saddle = Some(SaddlePoint::new(saddle));
-        return Ok(System { snes, form: TangentForm::Elsewhere, diagonal, saddle, rows });
+        return Ok(System { snes, form: TangentForm::None, diagonal, saddle, rows });
     }
     let pattern = Pattern::new(comm, all);
     let (own, other) = pattern.counts(all.nodes.first);

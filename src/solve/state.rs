@@ -2,11 +2,10 @@
 
 use std::rc::Rc;
 
-use super::coupled::Coupling;
-use super::energy::Energy;
 use super::flow::FluidBalance;
-use super::step_state::StepState;
-use super::stepping::{Accepted, Stepper};
+use super::flow::coupled::Coupling;
+use super::problem::energy::Energy;
+use super::stepping::{Accepted, StepState, Stepper};
 use crate::comm::Rows;
 use crate::error::{Error, Result};
 

@@ -3,7 +3,7 @@
 //! Each rank keeps the entries of one range of names, so that no rank holds them all.
 
 use crate::comm::{Comm, first_of, keeper_of};
-use crate::partition::mix;
+use crate::hash::mix;
 
 /// Owner and block number of a node.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

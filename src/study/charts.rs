@@ -3,7 +3,7 @@
 use super::check::Checker;
 use super::file::{ChartSection, Kind};
 use super::spec::{BUILT_IN, Chart, Quantity, Study, is_log};
-use crate::case::problems::suggestion;
+use crate::input::problems::suggestion;
 
 /// Longest name of a chart, which becomes that of its files.
 const LONGEST_NAME: usize = 60;

@@ -11,10 +11,11 @@ use super::file::{
 };
 use super::spec::{Against, Assignment, At, Axis, BUILT_IN, Choice, Measure, Reference, Study};
 use super::words::{assignment, label, number_of, size};
-use crate::case::limits::seconds;
-use crate::case::problems::{Problems, suggestion};
-use crate::case::tree::Node;
-use crate::case::{Formula, read_text};
+use crate::case::read_text;
+use crate::input::Formula;
+use crate::input::duration::seconds;
+use crate::input::problems::{Problems, suggestion};
+use crate::input::tree::Node;
 use crate::output::history::Table;
 
 /// Pairs of an axis and a choice of it.

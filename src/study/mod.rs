@@ -3,13 +3,13 @@
 //! A study process is serial: it starts neither MPI nor PETSc, and launches every run as a process
 //! of its own.
 
-pub(crate) mod chart;
 mod charts;
 mod check;
+mod draw;
 mod file;
 mod launch;
 mod measure;
-pub(crate) mod page;
+mod page;
 mod plan;
 mod read;
 mod record;
@@ -226,8 +226,8 @@ impl Session<'_> {
         let charts = self.directory.join(CHARTS);
         fs::create_dir_all(&charts)
             .map_err(|cause| Error::file("cannot create", &charts, cause))?;
-        let draw = |chart| chart::draw(self.study, self.plan, &rows, chart, &charts);
-        let drawn: Vec<chart::Drawn> = self.study.charts.iter().map(draw).collect::<Result<_>>()?;
+        let draw = |chart| draw::draw(self.study, self.plan, &rows, chart, &charts);
+        let drawn: Vec<draw::Drawn> = self.study.charts.iter().map(draw).collect::<Result<_>>()?;
         let page = page::page(self.study, self.plan, &rows, &drawn);
         atomic::write_text(&self.directory.join(PAGE), &page)?;
         let count = |wanted: &dyn Fn(Option<Ended>) -> bool| {

@@ -2,11 +2,12 @@
 
 use std::fmt::Write;
 
-use super::chart::Drawn;
+use super::draw::Drawn;
 use super::measure::Row;
 use super::plan::Plan;
 use super::spec::Study;
 use super::table::{machine, measures};
+use crate::html::{escaped, inlined};
 use crate::report::versions;
 
 const STYLE: &str = "body{font-family:sans-serif;max-width:72rem;margin:2rem auto;padding:0 1rem;\
@@ -118,7 +119,7 @@ fn table(html: &mut String, study: &Study, plan: &Plan, rows: &[Row], front: &[u
 }
 
 /// Three digits, or a whole number.
-pub(crate) fn short(value: f64) -> String {
+fn short(value: f64) -> String {
     if value == value.trunc() && value.abs() < 1e15 {
         return format!("{value}");
     }
@@ -131,26 +132,16 @@ pub(crate) fn short(value: f64) -> String {
     }
 }
 
-/// An SVG as part of a page, where it needs no name of its dialect.
-pub(crate) fn inlined(svg: &str) -> String {
-    svg.replacen(" xmlns=\"http://www.w3.org/2000/svg\"", "", 1)
-}
-
-pub(crate) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn numbers_are_short_and_text_is_text() {
+    fn numbers_are_short() {
         for (value, text) in
             [(2560.0, "2560"), (0.0, "0"), (1.23456, "1.23"), (123.456, "123"), (4.2e-5, "4.20e-5")]
         {
             assert_eq!(short(value), text);
         }
-        assert_eq!(escaped("a<b & \"c\""), "a&lt;b &amp; &quot;c&quot;");
     }
 }

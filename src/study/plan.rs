@@ -5,9 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::spec::{Against, Assignment, At, Study};
 use super::words::{placed, refuse};
 use crate::case::Case;
-use crate::case::problems::{shortened, suggestion};
-use crate::case::tree::Origin;
 use crate::error::{Error, Result};
+use crate::input::problems::{shortened, suggestion};
+use crate::input::tree::Origin;
 
 /// Most runs of a study.
 const MOST_RUNS: usize = 100_000;

@@ -9,11 +9,11 @@ use super::charts::chart_of;
 use super::check::Checker;
 use super::file::StudyFile;
 use super::spec::Study;
-use crate::case::problems::Problems;
-use crate::case::read_text_of;
-use crate::case::schema::{check_against, schema_of};
-use crate::case::tree;
 use crate::error::{Error, Result};
+use crate::input::problems::Problems;
+use crate::input::schema::{check_against, schema_of};
+use crate::input::text::read_text_of;
+use crate::input::tree;
 
 static SCHEMA: LazyLock<Json> = LazyLock::new(schema_of::<StudyFile>);
 

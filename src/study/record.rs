@@ -61,6 +61,18 @@ impl Ended {
         }
     }
 
+    /// Its colour in charts: red, green, blue, of light and dark that differ in brightness too.
+    pub fn color(self) -> [u8; 3] {
+        match self {
+            Ended::Done => [198, 232, 212],
+            Ended::ExpectationMissed => [252, 232, 178],
+            Ended::NotConverged => [240, 170, 140],
+            Ended::TimeLimit | Ended::Stopped => [215, 200, 230],
+            Ended::Refused => [214, 224, 236],
+            Ended::MachineFailed | Ended::Killed | Ended::Bug => [190, 190, 190],
+        }
+    }
+
     /// As in study.csv.
     pub fn name(self) -> String {
         self.words().replace(' ', "_")

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use super::file::{Kind, Scale};
-use crate::case::Formula;
-use crate::case::tree::Origin;
+use crate::input::Formula;
+use crate::input::tree::Origin;
 use crate::output::history::Table;
 
 /// One `a.b.c=VALUE`, and where it was written.

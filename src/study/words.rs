@@ -4,8 +4,8 @@ use std::path::Path;
 
 use serde_json::Value as Json;
 
-use crate::case::tree::Origin;
 use crate::error::{Error, number_text};
+use crate::input::tree::Origin;
 
 /// `KEY=VALUE` with the value as JSON, which is YAML; nothing for a key that is taken away.
 pub(super) fn assignment(key: &str, value: &Json) -> String {

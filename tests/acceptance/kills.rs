@@ -7,8 +7,8 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use column_hpc::hash::mix;
 use column_hpc::output::history::Table;
-use column_hpc::partition::mix;
 
 use crate::common::environment;
 use crate::faults::ranks_in;

@@ -13,24 +13,42 @@ struct File {
     exports: Vec<Vec<String>>,
 }
 
-/// The modules of each circle, with what each of them uses of the others.
-pub fn circles(sources: &[Source]) -> Vec<String> {
+/// What each module uses, where it is defined.
+fn uses(sources: &[Source]) -> BTreeMap<Module, BTreeSet<Module>> {
     let files = files(sources);
     let exports = exports(&files);
-    let uses: BTreeMap<&Module, BTreeSet<Module>> = files
-        .iter()
-        .map(|(module, file)| {
-            let target = |path: &Vec<String>| target(&files, &exports, module, path);
-            let targets = file.imports.iter().filter_map(target);
-            (module, targets.filter(|t| t != module && !t.is_empty()).collect())
-        })
-        .collect();
+    let of = |(module, file): (&Module, &File)| {
+        let target = |path: &Vec<String>| target(&files, &exports, module, path);
+        let targets = file.imports.iter().filter_map(target);
+        (module.clone(), targets.filter(|t| t != module && !t.is_empty()).collect())
+    };
+    files.iter().map(of).collect()
+}
+
+/// Uses among the folders and files of `room` that run against `order`.
+pub fn downward(sources: &[Source], room: &str, order: &[&str]) -> Vec<String> {
+    let position = |module: &Module| {
+        let inside = module.first().is_some_and(|first| first == room);
+        order.iter().position(|name| inside && module.get(1).is_some_and(|second| second == name))
+    };
+    let mut found = Vec::new();
+    for (module, targets) in uses(sources) {
+        let Some(own) = position(&module) else { continue };
+        let below = targets.iter().filter(|target| position(target) > Some(own));
+        found.extend(below.map(|t| format!("{} uses {}", module.join("::"), t.join("::"))));
+    }
+    found
+}
+
+/// The modules of each circle, with what each of them uses of the others.
+pub fn circles(sources: &[Source]) -> Vec<String> {
+    let uses = uses(sources);
     let reached: BTreeMap<&Module, BTreeSet<&Module>> =
-        uses.keys().map(|module| (*module, reached(&uses, module))).collect();
+        uses.keys().map(|module| (module, reached(&uses, module))).collect();
     let mut found = Vec::new();
     for module in uses.keys().filter(|module| reached[*module].contains(*module)) {
         let back = |other: &&Module| reached.get(other).is_some_and(|r| r.contains(module));
-        let others: Vec<_> = uses[*module].iter().filter(back).map(|m| m.join("::")).collect();
+        let others: Vec<_> = uses[module].iter().filter(back).map(|m| m.join("::")).collect();
         found.push(format!("{} uses {}", module.join("::"), others.join(", ")));
     }
     found
@@ -85,7 +103,8 @@ fn read(code: &str) -> File {
     for start in ["crate::", "super::"] {
         for (at, _) in code.match_indices(start) {
             let is_word = |c: char| c.is_alphanumeric() || c == '_';
-            if code[..at].ends_with(|c| is_word(c) || c == ':') {
+            // The room of a visibility is not used.
+            if code[..at].ends_with(|c| is_word(c) || c == ':') || code[..at].ends_with("pub(in ") {
                 continue;
             }
             let end = code[at..].find(|c| !is_word(c) && c != ':').unwrap_or(code.len() - at);
@@ -192,7 +211,7 @@ fn target(
 
 /// All modules that a module uses, also through others.
 fn reached<'u>(
-    uses: &'u BTreeMap<&Module, BTreeSet<Module>>,
+    uses: &'u BTreeMap<Module, BTreeSet<Module>>,
     module: &Module,
 ) -> BTreeSet<&'u Module> {
     let mut reached = BTreeSet::new();

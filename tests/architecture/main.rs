@@ -223,6 +223,23 @@ fn modules_use_only_modules_declared_above_them() {
 }
 
 #[test]
+fn folders_of_the_solution_use_only_those_above_them() {
+    let sources = sources_in("src");
+    let list = fs::read_to_string(root().join("src/solve/mod.rs")).expect("src/solve/mod.rs");
+    let order = modules(&list);
+    assert!(order.len() > 5, "{order:?}");
+    assert_none(circles::downward(&sources, "solve", &order), "against the order of solve/mod.rs");
+
+    let source = |path: &str, text: &str| Source { path: path.into(), text: text.into() };
+    let against = [
+        source("src/solve/mod.rs", "mod a;\nmod b;\npub use b::B;"),
+        source("src/solve/a/mod.rs", "use super::B;"),
+        source("src/solve/b/mod.rs", "use super::a::A;\npub struct B;"),
+    ];
+    assert_eq!(circles::downward(&against, "solve", &["a", "b"]), ["solve::a uses solve::b"]);
+}
+
+#[test]
 fn no_files_use_each_other() {
     let found = circles::circles(&sources_in("src"));
     assert_none(found, "circles of imports");

@@ -8,12 +8,13 @@
 //! Rows of prescribed components are the identity and take no part.
 
 use column_hpc::case::Case;
+use column_hpc::hash::mix;
 use column_hpc::law::Branch;
 use column_hpc::mesh::{Column, LocalMesh};
-use column_hpc::partition::{self, Method, mix};
+use column_hpc::partition::{self, Method};
 use column_hpc::petsc::{LinearOperator, NonlinearSystem, Vector};
 use column_hpc::runtime::Runtime;
-use column_hpc::solve::{self, Foundation, LinearChoice, MULTIGRID, Model};
+use column_hpc::solve::{self, BoundaryValueProblem, LinearChoice, MULTIGRID, Model};
 use column_hpc::timers::Timers;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -82,9 +83,9 @@ fn check(runtime: &Runtime, case: &Case, method: Method) -> BTreeSet<Branch> {
         meshes.push(meshes[meshes.len() - 1].refined(column));
     }
     let finest = meshes.pop().expect("a mesh");
-    let foundation = Foundation::new(comm, case, finest).expect("a foundation");
+    let problem = BoundaryValueProblem::new(comm, case, finest).expect("a problem");
     let mut model =
-        solve::build(runtime, &timers, case, choice, foundation, meshes).expect("a problem");
+        solve::build(runtime, &timers, case, choice, problem, meshes).expect("a problem");
     let mut seen = BTreeSet::new();
     for time in &case.time {
         let history = model.stepper.problem.interfaces.committed.clone();

@@ -1,15 +1,14 @@
 //! The problem as the callbacks of Newton's method see it.
 
-use super::{Problem, TangentForm};
+use super::path::PathControl;
+use super::unsymmetric::norm;
+use super::{Problem, TangentForm, condensed};
 use crate::assembly::NodeState;
 use crate::error::{Error, Result};
 use crate::fault;
 use crate::petsc::{
     FurtherSolve, LinearTolerance, Matrix, NonlinearSystem, TangentChange, Trial, Verdict,
 };
-use crate::solve::condensed;
-use crate::solve::path::PathControl;
-use crate::solve::unsymmetric::norm;
 use crate::timers::Phase;
 
 /// Corrections that do not halve the residual, after which linear solves go on to their end.
@@ -47,7 +46,7 @@ impl NonlinearSystem for Problem<'_> {
                 self.assembled_state = Some(state);
                 return Ok(TangentChange::Changed);
             }
-            TangentForm::Elsewhere => {
+            TangentForm::None => {
                 return Err(Error::Bug("a tangent that is held elsewhere".into()));
             }
         }
@@ -84,7 +83,7 @@ impl NonlinearSystem for Problem<'_> {
         solve: &mut FurtherSolve<'_>,
     ) -> Result<()> {
         fault::strike_values(self.comm, "linear", &mut *correction)?;
-        self.interfaces.lean = 1.0;
+        self.interfaces.overstress = 1.0;
         self.correct();
         self.set_known(correction);
         self.is_skew = self.add_unsymmetric(correction, self.judged_norm, solve)?;
@@ -165,9 +164,9 @@ impl NonlinearSystem for Problem<'_> {
         let (comm, all, state) = (self.comm, &self.all, &self.interfaces);
         let rigid = self.rigid.closest(comm, all, state, self.diagonal, &free, rhs);
         if let Some(rigid) = rigid {
-            self.recycle.lend(comm, all, &rigid);
+            self.projection.lend(comm, all, &rigid);
         }
-        self.recycle.guess(comm, all, state, &free, rhs, guess);
+        self.projection.guess(comm, all, state, &free, rhs, guess);
         Ok(())
     }
 

@@ -16,7 +16,7 @@ use super::{Problem, Worst};
 use crate::assembly::Discretization;
 use crate::comm::Comm;
 use crate::petsc::Verdict;
-use crate::solve::interfaces::{InterfaceState, JointLaw, to_local};
+use crate::solve::model::interfaces::{InterfaceState, JointLaw, to_local};
 
 /// Where a step stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

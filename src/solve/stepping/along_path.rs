@@ -3,7 +3,7 @@
 use super::Stepper;
 use crate::error::{Error, Result};
 use crate::petsc::{SnesReason, SolveReport, Vector};
-use crate::solve::path::PathControl;
+use crate::solve::problem::path::PathControl;
 
 /// The load factor with which the onset of damage is looked for.
 const SMALL_FACTOR: f64 = 1e-6;
@@ -23,7 +23,7 @@ impl Stepper<'_> {
         };
         path.start(target);
         // A step that failed early may have left it.
-        self.problem.interfaces.lean = 1.0;
+        self.problem.interfaces.overstress = 1.0;
         let load_time = path.load_time(target);
         let mut unit = self.x.duplicate()?;
         std::mem::swap(&mut unit, &mut self.x);
@@ -71,7 +71,8 @@ impl Stepper<'_> {
         }
         self.hold_factor(None)?;
         self.problem.predict_freely();
-        self.problem.interfaces.lean = self.problem.path.as_ref().map_or(1.0, PathControl::lean);
+        self.problem.interfaces.overstress =
+            self.problem.path.as_ref().map_or(1.0, PathControl::overstress);
         let mut report = self.solve()?;
         report.iterations += corrections[0];
         report.linear_iterations += corrections[1];

@@ -6,9 +6,9 @@ use crate::case::Stability;
 use crate::error::{Error, Result};
 use crate::law::Branch;
 use crate::petsc::{SolveReport, Vector};
-use crate::solve::energy;
-use crate::solve::interfaces::NodeResponse;
-use crate::solve::path::LEAN;
+use crate::solve::model::interfaces::NodeResponse;
+use crate::solve::problem::energy;
+use crate::solve::problem::path::OVERSTRESS;
 use crate::solve::stability::{self, Instability, Mode};
 
 /// Steps are cut for unstable states down to so many of the smallest ones.
@@ -74,9 +74,9 @@ impl Stepper<'_> {
         }
         let reached = self.reached_state()?;
         self.x.copy_from(before)?;
-        self.problem.interfaces.lean = 1.0 + LEAN;
+        self.problem.interfaces.overstress = 1.0 + OVERSTRESS;
         let second = step(self)?;
-        self.problem.interfaces.lean = 1.0;
+        self.problem.interfaces.overstress = 1.0;
         if !second.0.reason.is_converged() && first.0.reason.is_converged() {
             self.go_back_to(&reached, total)?;
             return Ok(first);

@@ -4,8 +4,8 @@ use super::bifurcation::is_less;
 use super::branching::Reached;
 use super::{Accepted, Stepper};
 use crate::error::Result;
-use crate::solve::energy;
-use crate::solve::interfaces::{Damping, NodeResponse};
+use crate::solve::model::interfaces::{Damping, NodeResponse};
+use crate::solve::problem::energy;
 use crate::solve::stability::Mode;
 
 /// How far a state is displaced along a mode: the largest jump of the mode over the largest growth

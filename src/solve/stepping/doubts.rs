@@ -2,7 +2,7 @@
 
 use super::Stepper;
 use crate::error::Result;
-use crate::solve::interfaces::to_local;
+use crate::solve::model::interfaces::to_local;
 
 /// Jumps above this part of the jump scale of the law are no rounding.
 const OPEN: f64 = 1e-6;

@@ -3,7 +3,7 @@
 use super::Stepper;
 use crate::error::{Error, Result};
 use crate::petsc::{Ran, SolveReport};
-use crate::solve::linear::LinearChoice;
+use crate::solve::model::linear::LinearChoice;
 
 impl Stepper<'_> {
     /// The linear solvers as PETSc has them, that of all unknowns first. Local.

@@ -4,7 +4,7 @@ use super::Stepper;
 use crate::case::{Control, ControlKind, InterfaceSpec};
 use crate::law::InterfaceLaw;
 use crate::petsc::SolveReport;
-use crate::solve::held;
+use crate::solve::stability::held;
 
 /// Interfaces by their names, as the subject of a sentence.
 fn in_words(names: &[&str]) -> String {

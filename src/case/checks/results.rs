@@ -1,0 +1,212 @@
+//! Output, probes and expectations, and the columns of `history.csv` that they refer to.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use super::checker::Checker;
+use crate::case::sections::file::{CaseFile, FieldsSection, FieldsWord};
+use crate::case::sections::{Expectation, Fields, OutputSpec, Probe};
+use crate::case::{Case, Every, InterfaceSpec, MeshSpec, Surface};
+use crate::input::problems::suggestion;
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+impl Case {
+    /// The axes of the case: x, y, z, or x, z in 2D.
+    fn axes(&self) -> Vec<&'static str> {
+        if self.dim == 3 { AXES.to_vec() } else { vec!["x", "z"] }
+    }
+
+    /// The interface quantities that have a smallest, a largest and a mean value.
+    fn interface_quantities(&self, interface: &InterfaceSpec) -> Vec<String> {
+        let tangents = &self.axes()[..self.dim - 1];
+        let along = |what: &'static str| tangents.iter().map(move |axis| format!("{what}_{axis}"));
+        let mut names = vec!["normal_traction".to_owned()];
+        names.extend(along("shear_traction"));
+        names.push("normal_jump".to_owned());
+        names.extend(along("sliding"));
+        names.push("damage".to_owned());
+        names.extend(interface.film.is_some().then(|| "pressure".to_owned()));
+        names
+    }
+
+    /// The surfaces that prescribe a displacement, in the order of their first entry.
+    pub fn supported_surfaces(&self) -> Vec<Surface> {
+        let mut surfaces = Vec::new();
+        for entry in &self.boundary {
+            if entry.prescribes_displacement() && !surfaces.contains(&entry.on) {
+                surfaces.push(entry.on);
+            }
+        }
+        surfaces
+    }
+
+    /// Whether fluid flows from an interface into the rock.
+    pub fn has_flux(&self, interface: &InterfaceSpec) -> bool {
+        self.flow.is_some() && (interface.connected || interface.film.is_some())
+    }
+
+    /// All columns of `history.csv`, in their order.
+    pub fn columns(&self) -> Vec<String> {
+        let mut columns: Vec<String> =
+            ["time", "load_factor", "newton_iterations", "linear_iterations"]
+                .map(str::to_owned)
+                .to_vec();
+        for interface in &self.interfaces {
+            for quantity in self.interface_quantities(interface) {
+                for statistic in ["min", "max", "mean"] {
+                    columns.push(format!("{}.{quantity}.{statistic}", interface.name));
+                }
+            }
+            if self.has_flux(interface) {
+                columns.extend(
+                    ["flux_lower", "flux_upper"].map(|of| format!("{}.{of}", interface.name)),
+                );
+            }
+        }
+        let supported = self.supported_surfaces();
+        let surfaces = supported.iter().map(|surface| surface.name());
+        for of in surfaces.chain(["total"]) {
+            for axis in self.axes() {
+                columns.push(format!("{of}.reaction_{axis}"));
+            }
+        }
+        for probe in &self.probes {
+            for axis in self.axes() {
+                columns.push(format!("{}.displacement_{axis}", probe.name));
+            }
+            if self.has_pressure() {
+                columns.push(format!("{}.pressure", probe.name));
+            }
+        }
+        for energy in ["elastic", "dissipated", "external"] {
+            columns.push(format!("energy.{energy}"));
+        }
+        if self.has_pressure() {
+            columns.push("energy.fluid".to_owned());
+        }
+        if self.flow.is_some() {
+            columns.extend(["mass.in", "mass.out", "mass.stored"].map(str::to_owned));
+        }
+        columns
+    }
+
+    /// What an expectation may name: every column, and the interface quantities without their
+    /// statistic, which stand for `.min` and `.max` together.
+    pub fn quantities(&self) -> Vec<String> {
+        let mut quantities: Vec<String> = Vec::new();
+        for column in self.columns() {
+            if let Some(base) = column.strip_suffix(".min") {
+                quantities.push(base.to_owned());
+            }
+            quantities.push(column);
+        }
+        quantities
+    }
+}
+
+impl Checker<'_> {
+    pub(in crate::case) fn output(
+        &mut self,
+        file: &CaseFile,
+        time: &[f64],
+        checkpoint: Every,
+    ) -> OutputSpec {
+        let directory = PathBuf::from(file.output.directory.clone().unwrap_or_default());
+        if directory.as_os_str().is_empty() {
+            self.add("output.directory", "is empty");
+        }
+        let fields = match &file.output.fields {
+            FieldsSection::Word(FieldsWord::All) => Fields::All,
+            FieldsSection::Word(FieldsWord::None) => Fields::None,
+            FieldsSection::Times(times) => {
+                for (index, instant) in times.iter().enumerate() {
+                    self.instant(&format!("output.fields.{index}"), *instant, time);
+                }
+                let mut times = times.clone();
+                times.sort_by(f64::total_cmp);
+                times.dedup();
+                Fields::Times(times)
+            }
+        };
+        OutputSpec { directory, fields, checkpoint }
+    }
+
+    fn instant(&mut self, path: &str, instant: f64, time: &[f64]) {
+        if self.sound(&["time"]) && !time.contains(&instant) {
+            let nearest = time
+                .iter()
+                .min_by(|a, b| (*a - instant).abs().total_cmp(&(*b - instant).abs()))
+                .map_or(String::new(), |time| format!("; the nearest is {time}"));
+            self.add(path, format!("must be one of time.instants{nearest}, got {instant}"));
+        }
+    }
+
+    pub(in crate::case) fn probes(
+        &mut self,
+        file: &CaseFile,
+        mesh: &MeshSpec,
+        interfaces: &[InterfaceSpec],
+    ) -> Vec<Probe> {
+        let mut probes: Vec<Probe> = Vec::new();
+        for (index, section) in file.probes.iter().enumerate() {
+            let path = format!("probes.{index}");
+            self.name(&format!("{path}.name"), &section.name);
+            let taken = probes.iter().any(|probe| probe.name == section.name)
+                || interfaces.iter().any(|interface| interface.name == section.name);
+            if taken {
+                self.add(&format!("{path}.name"), format!("`{}` is taken", section.name));
+            }
+            if self.sound(&["mesh"]) {
+                if section.at.len() != self.dim {
+                    let reason =
+                        format!("must have {} entries, got {}", self.dim, section.at.len());
+                    self.add(&format!("{path}.at"), reason);
+                } else if section.at.iter().zip(&mesh.size).any(|(x, l)| !(0.0..=*l).contains(x)) {
+                    let reason = format!(
+                        "must lie inside the column of size {:?}, got {:?}",
+                        mesh.size, section.at
+                    );
+                    self.add(&format!("{path}.at"), reason);
+                }
+            }
+            let at = match section.at[..] {
+                [x, y, z] => [x, y, z],
+                [x, z] => [x, 0.0, z],
+                _ => [0.0; 3],
+            };
+            probes.push(Probe { name: section.name.clone(), at });
+        }
+        probes
+    }
+
+    pub(in crate::case) fn expectations(&mut self, case: &Case) -> Vec<Expectation> {
+        let known = case.quantities();
+        let all: BTreeSet<&String> = known.iter().collect();
+        let mut expectations = Vec::new();
+        for (index, section) in case.file.expect.iter().enumerate() {
+            if self.problems.is_full() {
+                break;
+            }
+            let path = format!("expect.{index}");
+            let quantity = &section.quantity;
+            if self.sound(&["mesh", "interfaces", "boundary", "probes"]) && !all.contains(quantity)
+            {
+                let hint = suggestion(quantity, &known);
+                self.add(&format!("{path}.quantity"), format!("cannot be `{quantity}`{hint}"));
+            }
+            self.instant(&format!("{path}.at"), section.at, &case.time);
+            if section.relative.is_none() && section.absolute.is_none() {
+                self.add(&path, "needs a tolerance: relative, absolute or both");
+            }
+            expectations.push(Expectation {
+                quantity: quantity.clone(),
+                at: section.at,
+                equals: section.equals,
+                relative: section.relative.unwrap_or(0.0),
+                absolute: section.absolute.unwrap_or(0.0),
+            });
+        }
+        expectations
+    }
+}

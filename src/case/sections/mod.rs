@@ -1,0 +1,17 @@
+//! The sections of a case: as they are written, and the types that come of them.
+
+mod boundary;
+pub(in crate::case) mod file;
+mod interface;
+mod material;
+mod mesh;
+mod output;
+pub(in crate::case) mod quantity;
+mod solver;
+
+pub use boundary::{BoundarySpec, Surface};
+pub use interface::{FilmSpec, InterfaceSpec, Side};
+pub use material::{Material, Porous};
+pub use mesh::{Cells, Formulation, MeshSpec};
+pub use output::{Expectation, Fields, OutputSpec, Probe};
+pub use solver::{Form, Linear, Reduce, SolverSpec, Stability};

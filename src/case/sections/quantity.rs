@@ -1,0 +1,106 @@
+//! Sections of a case that stand in several places, or have rules of their own.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A number, a table over time or a formula.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(in crate::case) enum Quantity {
+    /// The same everywhere and always.
+    Number(f64),
+    /// Over time.
+    Table(TableSection),
+    /// In space and time.
+    Formula(FormulaSection),
+}
+
+/// Linear between, constant beyond.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::case) struct TableSection {
+    /// Pairs of time and value, with rising times.
+    #[schemars(length(min = 1, max = 100_000))]
+    pub table: Vec<[f64; 2]>,
+}
+
+/// A formula.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::case) struct FormulaSection {
+    /// In x, y, z, t with + - * / ^, parentheses, pi, sqrt exp ln sin cos abs min max.
+    pub formula: String,
+}
+
+/// Fluid in an interface.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::case) struct FluidSection {
+    /// Its imposed pressure in Pa.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure: Option<Quantity>,
+    /// Whether the pore pressure at the lips equals the imposed one.
+    #[serde(default)]
+    pub connected: bool,
+    /// Whether it flows along the interface, with the pressure of the pores at both lips.
+    #[serde(default)]
+    pub flow: bool,
+    /// Mass in kg/m2/s that is injected into the interface, where it then flows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub injection: Option<Quantity>,
+}
+
+/// The state at the start.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(extend("minProperties" = 1))]
+pub(in crate::case) struct InitialSection {
+    /// Pore pressure in Pa.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure: Option<Quantity>,
+    /// Whether the displacements at the start are those in equilibrium with the initial pressures,
+    /// the loads and the prescribed displacements, instead of 0.
+    #[serde(default)]
+    pub equilibrium: bool,
+    /// What makes a perfect structure imperfect, so that one of its branches is selected.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 1000))]
+    pub imperfection: Vec<ImperfectionSection>,
+}
+
+/// An imperfection of an interface.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::case) struct ImperfectionSection {
+    /// Name of the interface.
+    pub interface: String,
+    /// What its strength and its fracture energy are multiplied by; the critical jump stays.
+    pub factor: FactorSection,
+}
+
+/// A factor: a number, or a formula in space.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub(in crate::case) enum FactorSection {
+    /// The same on the whole interface.
+    Number(f64),
+    /// In x, y, z.
+    Formula(FormulaSection),
+}
+
+/// When checkpoints are written.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::case) struct CheckpointSection {
+    /// A time, such as 10 min, or a number of instants, such as 5 instants.
+    pub every: String,
+}
+
+/// When the run stops.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::case) struct LimitsSection {
+    /// Wall-clock time, as HH:MM:SS or as a number with s, min or h: a checkpoint is written and
+    /// the run stops before it is over.
+    pub wall: String,
+}

@@ -1,0 +1,15 @@
+//! Charts as SVG and PNG, drawn without any font of the machine.
+
+mod canvas;
+mod labels;
+mod map;
+mod panel;
+mod scale;
+
+pub(crate) use canvas::{png, svg};
+pub(crate) use map::{Entry, Map};
+pub(crate) use panel::{Line, Look, Panel, Panels};
+pub(crate) use scale::Scale;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,89 @@
+//! Values in space and time: a constant, a table over time, or a formula.
+
+use super::Formula;
+
+/// A prescribed value: displacement, traction, pressure or body force component.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Value {
+    /// The same everywhere and always.
+    Constant(f64),
+    /// Points (time, value) with rising times: linear between, constant beyond.
+    Table(Vec<[f64; 2]>),
+    /// A formula in x, y, z, t.
+    Formula(Formula),
+}
+
+impl Value {
+    /// The value at a point and a time. A formula may yield a number that is not finite;
+    /// whoever applies it refuses that.
+    pub fn at(&self, point: [f64; 3], time: f64) -> f64 {
+        match self {
+            Value::Constant(value) => *value,
+            Value::Table(rows) => interpolate(rows, time),
+            Value::Formula(formula) => formula.at(point, time),
+        }
+    }
+
+    /// Whether it is 0 everywhere and always, as far as its form tells.
+    pub fn is_zero(&self) -> bool {
+        match self {
+            Value::Constant(value) => *value == 0.0,
+            Value::Table(rows) => rows.iter().all(|row| row[1] == 0.0),
+            Value::Formula(formula) => formula.is_constant() && formula.at([0.0; 3], 0.0) == 0.0,
+        }
+    }
+
+    /// Whether it depends on the point.
+    pub fn varies_in_space(&self) -> bool {
+        matches!(self, Value::Formula(formula) if formula.varies_in_space())
+    }
+
+    /// The times at which its slope over time may jump: the times of a table.
+    pub fn breakpoints(&self) -> Vec<f64> {
+        match self {
+            Value::Table(rows) => rows.iter().map(|row| row[0]).collect(),
+            _ => Vec::new(),
+        }
+    }
+}
+
+/// Linear interpolation in a table with at least one row and strictly rising times.
+fn interpolate(rows: &[[f64; 2]], time: f64) -> f64 {
+    let next = rows.partition_point(|row| row[0] <= time);
+    if next == 0 {
+        return rows[0][1];
+    }
+    let [start, from] = rows[next - 1];
+    // At a row's own time its own value, to the last bit.
+    if next == rows.len() || time == start {
+        return from;
+    }
+    let [end, to] = rows[next];
+    from + (to - from) * ((time - start) / (end - start))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_is_linear_between_and_constant_beyond() {
+        let table = Value::Table(vec![[1.0, -1.0e-4], [2.0, 1.0e-4], [4.0, 5.0]]);
+        let at = |time| table.at([9.0; 3], time);
+        assert_eq!((at(0.0), at(1.0), at(2.0), at(4.0), at(99.0)), (-1e-4, -1e-4, 1e-4, 5.0, 5.0));
+        assert_eq!(at(1.5), 0.0);
+        assert!((at(3.0) - 2.50005).abs() < 1e-12);
+        assert_eq!(table.breakpoints(), [1.0, 2.0, 4.0]);
+    }
+
+    #[test]
+    fn zero_and_variation_in_space_are_recognised() {
+        let formula = |text: &str| Value::Formula(Formula::parse(text).expect(text));
+        assert!(Value::Constant(-0.0).is_zero() && !Value::Constant(1e-300).is_zero());
+        assert!(Value::Table(vec![[0.0, 0.0], [1.0, 0.0]]).is_zero());
+        assert!(!Value::Table(vec![[0.0, 0.0], [1.0, 1.0]]).is_zero());
+        assert!(formula("0*2").is_zero() && !formula("0*x").is_zero());
+        assert!(formula("t*z").varies_in_space() && !formula("t").varies_in_space());
+        assert!(!Value::Constant(1.0).varies_in_space());
+    }
+}

@@ -1,0 +1,273 @@
+//! From a case and this rank's cells to the coupled problem.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use super::block::Block;
+use super::blocks::{Blocks, CoupledSolve, operators};
+use super::coupled::Coupling;
+use super::coupled_factors::CoupledFactors;
+use super::films::{films, further_nodes, tie_rows, ties};
+use super::pace::Pace;
+use super::pressures::Pressures;
+use super::{Flow, Source};
+use crate::assembly::{CoupledMatrix, Discretization, PoreCell, PoreSpace, TangentOperator};
+use crate::bulk::{FlowStep, Loads, MAX_CORNERS, PorousCell, PorousMedium};
+use crate::case::{Case, FlowSpec};
+use crate::comm::Comm;
+use crate::error::{Error, Result};
+use crate::interface::Sides;
+use crate::mesh::{LocalMesh, NodePlace, axes};
+use crate::petsc::{KspSetup, Matrix, Snes};
+use crate::runtime::Runtime;
+use crate::solve::problem::KnownPressure;
+use crate::space::{AtNode, Directory, Nodes, PrescribedPressure};
+
+/// Prefix of PETSc options of the solver of the mechanical block.
+pub const MECHANICS: &str = "mechanics_";
+/// Prefix of PETSc options of the solver of the block of the pressure.
+const FLOW: &str = "flow_";
+/// Prefix of PETSc options of the elimination of both fields.
+const WHOLE: &str = "whole_";
+
+/// GMRES over both fields; the preconditioner is ours.
+const COUPLED: &[(&str, &str)] = &[
+    ("ksp_type", "gmres"),
+    ("ksp_pc_side", "right"),
+    ("ksp_gmres_restart", "150"),
+    ("ksp_max_it", "600"),
+    ("pc_type", "shell"),
+];
+
+/// Where every pressure is known the system is symmetric and positive.
+const KNOWN: &[(&str, &str)] = &[("ksp_type", "cg"), ("ksp_max_it", "500"), ("pc_type", "shell")];
+
+/// One V-cycle of BoomerAMG for a scalar field, with few and short rows on the coarser levels.
+const MULTIGRID: &[(&str, &str)] = &[
+    ("ksp_type", "preonly"),
+    ("pc_type", "hypre"),
+    ("pc_hypre_type", "boomeramg"),
+    ("pc_hypre_boomeramg_strong_threshold", "0.5"),
+    ("pc_hypre_boomeramg_coarsen_type", "HMIS"),
+    ("pc_hypre_boomeramg_interp_type", "ext+i"),
+    ("pc_hypre_boomeramg_P_max", "6"),
+];
+
+/// Sweeps of its smoother beside displacements of second order, which cost so much more that a
+/// second one costs nothing: in short steps the matrix is nearly a mass matrix, of which BoomerAMG
+/// makes no coarser level.
+const SWEEPS: (&str, &str) = ("pc_hypre_boomeramg_grid_sweeps_all", "2");
+
+/// The first step after a jump of the load is so much of the shortest one that does not oscillate
+/// along the shortest edge of a cell.
+const FIRST: f64 = 0.01;
+
+/// Few pressures are eliminated.
+const ELIMINATION: &[(&str, &str)] =
+    &[("ksp_type", "preonly"), ("pc_type", "cholesky"), ("pc_factor_mat_solver_type", "mumps")];
+
+/// Up to so many.
+const FEW: u64 = 3000;
+
+/// A problem of both fields.
+pub struct Coupled {
+    /// The solver of both fields.
+    pub snes: Snes,
+    /// What couples them.
+    pub coupling: Coupling,
+    /// Unknowns of this rank.
+    pub rows: usize,
+}
+
+/// Adds the pore pressure to a mechanical problem, whose solver becomes a block of the
+/// preconditioner.
+/// With `eliminate`, its options of elimination, both fields are eliminated together, but for
+/// films. Collective.
+///
+/// # Errors
+/// `Input` when pressures disagree or a formula gives no finite number; `System` when PETSc fails.
+pub fn couple(
+    runtime: &Runtime,
+    case: &Case,
+    flow: &FlowSpec,
+    (mesh, all, sides): (&LocalMesh, &Rc<Discretization>, &[Sides]),
+    (mechanics, tangent): (Snes, Rc<TangentOperator>),
+    eliminate: Option<&KspSetup>,
+) -> Result<Coupled> {
+    let (comm, petsc, dim) = (&runtime.comm, &runtime.petsc, case.dim);
+    let corners = LocalMesh::new(&mesh.column.of_first_order(), mesh.cells.clone(), 0);
+    let prescribed = PrescribedPressure::new(case, &corners.column);
+    let pressures = Pressures { corners: &corners, prescribed: &prescribed };
+    let space = Rc::new(pore_space(comm, case, (mesh, all, sides), &pressures)?);
+    let owned = &space.nodes.names[..space.nodes.owned];
+    AtNode::agree(comm, prescribed.check(owned, &case.load_times()))?;
+    let [inflow, injection] = [Loads::inflow(case, &corners), Loads::injection(case, &corners)];
+    comm.agree([&inflow, &injection].iter().try_for_each(|of| of.check(&case.load_times())))?;
+    let sources = [inflow, injection].map(|rate| Source::new(rate, space.nodes.len()));
+    let mut initial = AtNode::agree(comm, initial(case, flow, &corners, &space))?;
+    space.follow(&mut initial);
+
+    let stiffest = |p: &crate::mesh::Prototype| {
+        let edges = axes(dim).iter().map(|axis| p.size[*axis]);
+        case.materials[p.material].young_modulus / edges.fold(0.0, f64::max)
+    };
+    let mut scale = [mesh.prototypes.iter().map(stiffest).fold(0.0, f64::max)];
+    comm.max(&mut scale);
+    let solve = match eliminate.filter(|_| space.has_unknowns(comm) && !space.films.are_there()) {
+        Some(setup) => {
+            let numbers = CoupledMatrix::new(comm, all, &space);
+            let matrix = numbers.matrix(comm, petsc, all, &space)?;
+            let solver = Snes::new(petsc, WHOLE, matrix, setup)?;
+            CoupledSolve::Eliminated(RefCell::new(CoupledFactors::new(
+                numbers,
+                Block::new(petsc, solver)?,
+            )))
+        }
+        None => {
+            let matrix = space.matrix(comm, petsc)?;
+            let second = mesh.column.highest_order() == 2;
+            let multigrid = [MULTIGRID, if second { &[SWEEPS] } else { &[] }].concat();
+            let options = if space.nodes.total <= FEW { ELIMINATION } else { &multigrid };
+            let solver = Snes::new(petsc, FLOW, matrix, &KspSetup::new(options))?;
+            CoupledSolve::Split(RefCell::new(Block::new(petsc, solver)?))
+        }
+    };
+    let solvers = (mechanics, solve);
+    let blocks = Blocks::new(comm, petsc, solvers, tangent, Rc::clone(&space), scale[0])?;
+    let (blocks, rows) = (Rc::new(blocks), all.nodes.owned * dim + space.nodes.owned);
+    let (operator, preconditioner) = operators(&blocks);
+    let matrix = Matrix::shell(petsc, rows, rows, 1, operator)?;
+    let options = if blocks.is_coupled() { COUPLED } else { KNOWN };
+    let mut snes = Snes::new(petsc, "", matrix, &KspSetup::new(options))?;
+    snes.precondition_by(preconditioner)?;
+
+    let mut bounds = [0.0_f64; 3];
+    let mut shortest = f64::INFINITY;
+    for cell in &space.prototypes {
+        let [least, bound] = cell.shortest_steps(flow.theta);
+        let of = if cell.is_held_back() { 0 } else { 1 };
+        bounds[of] = bounds[of].max(bound);
+        shortest = shortest.min(least);
+    }
+    bounds[2] = -shortest;
+    comm.max(&mut bounds);
+    let pace = flow.tolerance.map(|tolerance| Pace::new(tolerance, FIRST * -bounds[2]));
+    let density = case.materials.iter().find_map(|m| Some(m.porous.as_ref()?.fluid_density));
+    let mut gravity = [0.0; 3];
+    axes(dim).iter().enumerate().for_each(|(c, axis)| gravity[c] = case.gravity[*axis]);
+    let flow = Flow::new(
+        space,
+        prescribed,
+        sources,
+        density.unwrap_or(1.0),
+        FlowStep { length: 0.0, theta: flow.theta, gravity, lumped: flow.lumped },
+        scale[0],
+        (pace, [bounds[0], bounds[1]]),
+        case.interfaces.len(),
+        initial,
+    );
+    Ok(Coupled { snes, coupling: Coupling::new(flow, blocks), rows })
+}
+
+/// The pressure that is a load, where there is one. Collective.
+///
+/// # Errors
+/// As [`KnownPressure::new`].
+pub fn known_pressure(
+    comm: &Comm,
+    case: &Case,
+    (mesh, all): (&LocalMesh, &Discretization),
+) -> Result<Option<KnownPressure>> {
+    if !case.pressure_is_load {
+        return Ok(None);
+    }
+    let corners = LocalMesh::new(&mesh.column.of_first_order(), mesh.cells.clone(), 0);
+    let prescribed = PrescribedPressure::new(case, &corners.column);
+    let pressures = Pressures { corners: &corners, prescribed: &prescribed };
+    let space = pore_space(comm, case, (mesh, all, &[]), &pressures)?;
+    KnownPressure::new(comm, space, prescribed, &case.load_times()).map(Some)
+}
+
+/// Nodes, cells, ties and films of the pressure. Collective.
+///
+/// # Errors
+/// As [`tie_rows`].
+fn pore_space(
+    comm: &Comm,
+    case: &Case,
+    (mesh, all, sides): (&LocalMesh, &Discretization, &[Sides]),
+    pressures: &Pressures<'_>,
+) -> Result<PoreSpace> {
+    let dim = case.dim;
+    let Pressures { corners, prescribed } = pressures;
+    let mut index = vec![None; mesh.prototypes.len()];
+    let mut prototypes = Vec::new();
+    for (prototype, index) in mesh.prototypes.iter().zip(&mut index) {
+        let material = &case.materials[prototype.material];
+        if let Some(porous) = &material.porous {
+            *index = Some(prototypes.len() as u16);
+            let medium = PorousMedium::new(material, porous, dim);
+            prototypes.push(PorousCell::new(prototype, medium, dim));
+        }
+    }
+    let porous = mesh.cells.iter().zip(&mesh.cell_prototype).enumerate();
+    let porous: Vec<(usize, u64, u16)> = porous
+        .filter_map(|(cell, (name, prototype))| Some((cell, *name, index[*prototype as usize]?)))
+        .collect();
+    let column = &corners.column;
+    let names_of = |name: u64| column.cell_nodes(column.cell_place(name));
+    let mut touched: Vec<u64> = porous.iter().flat_map(|(_, name, _)| names_of(*name)).collect();
+    touched.sort_unstable();
+    touched.dedup();
+    let directory = Directory::new(comm, column.nodes(), &touched);
+    let rows = tie_rows(comm, case, sides, pressures, &directory)?;
+    touched.extend(further_nodes(case, (mesh, all), pressures, &rows));
+    let nodes = Nodes::new(comm, &directory, &touched)?;
+    let cells = porous.iter().map(|(cell, name, prototype)| {
+        let mut of = [0; MAX_CORNERS];
+        for (of, name) in of.iter_mut().zip(names_of(*name)) {
+            *of = nodes.local(name).expect("the nodes of the rank's cells are held");
+        }
+        PoreCell { cell: *cell as u32, prototype: *prototype, nodes: of }
+    });
+    let cells = cells.collect();
+    let (ties, tie_of) = ties(&rows, &nodes);
+    let films = films(case, sides, (mesh, all), pressures, &nodes);
+    let displacement_name = |name: &u64| {
+        let NodePlace { body, at } = column.node_place(*name);
+        let order = mesh.column.order(body);
+        mesh.column.node(NodePlace { body, at: at.map(|at| at * order) })
+    };
+    Ok(PoreSpace {
+        dim,
+        cells,
+        prototypes,
+        ties,
+        tie_of,
+        films,
+        prescribed: nodes.names.iter().map(|n| prescribed.entry_of(*n).is_some()).collect(),
+        displacement_names: nodes.names[..nodes.owned].iter().map(displacement_name).collect(),
+        nodes,
+    })
+}
+
+/// The pressures at the start, of all local nodes (Pa).
+fn initial(
+    case: &Case,
+    flow: &FlowSpec,
+    corners: &LocalMesh,
+    space: &PoreSpace,
+) -> std::result::Result<Vec<f64>, AtNode> {
+    let at = |name: &u64| {
+        let [x, y, z] = corners.column.point(*name);
+        let value = flow.initial.at([x, y, z], case.start);
+        let words = || {
+            format!(
+                "initial.pressure is {value} at ({x}, {y}, {z}) m; the formula must give finite \
+                 numbers everywhere"
+            )
+        };
+        if value.is_finite() { Ok(value) } else { Err(AtNode(*name, Error::Input(words()))) }
+    };
+    space.nodes.names.iter().map(at).collect()
+}

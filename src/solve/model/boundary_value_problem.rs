@@ -1,0 +1,95 @@
+//! What a problem stands on, whoever solves it: nodes, cells, jump rows, supports and loads.
+
+use std::rc::Rc;
+
+use crate::assembly::{Cells, Discretization};
+use crate::bulk::{Elastic, Loads, Stiffness};
+use crate::case::Case;
+use crate::comm::Comm;
+use crate::error::{Error, Result};
+use crate::interface::{Sides, jump_rows};
+use crate::mesh::LocalMesh;
+use crate::space::{AtNode, Directory, Nodes, Prescribed};
+
+/// A case on this rank's cells.
+pub struct BoundaryValueProblem {
+    /// The cells of this rank.
+    pub mesh: LocalMesh,
+    /// Cells, nodes, rows.
+    pub all: Rc<Discretization>,
+    /// The sides of the interfaces.
+    pub sides: Vec<Sides>,
+    /// The prescribed displacements.
+    pub prescribed: Prescribed,
+    /// Loads on the bulk.
+    pub loads: Loads,
+}
+
+impl BoundaryValueProblem {
+    /// Of a case on `mesh`. Collective.
+    ///
+    /// # Errors
+    /// `Input` when boundary entries disagree, a formula gives no finite number at an instant, a
+    /// side of an interface is not covered, or there are more unknowns than PETSc numbers.
+    pub fn new(comm: &Comm, case: &Case, mesh: LocalMesh) -> Result<Self> {
+        let prescribed = Prescribed::new(case, &mesh.column);
+        let times = case.load_times();
+        let mut largest = [AtNode::agree(comm, prescribed.largest_value(&mesh.nodes, &times))?];
+        comm.max(&mut largest);
+        let agreement = prescribed.check_agreement(&mesh.nodes, &times, largest[0]);
+        AtNode::agree(comm, agreement)?;
+        let loads = Loads::new(case, &mesh);
+        comm.agree(loads.check(&times))?;
+        let sides = Sides::choose(case, &mesh.column);
+        let all = Rc::new(discretize(comm, case, &mesh, &sides)?);
+        let unknowns = all.nodes.total * case.dim as u64;
+        if i32::try_from(unknowns).is_err() {
+            return Err(Error::Input(format!(
+                "{unknowns} unknowns are more than the 32-bit indices of this PETSc can number; \
+                 use a coarser mesh"
+            )));
+        }
+        Ok(Self { mesh, all, sides, prescribed, loads })
+    }
+}
+
+/// Nodes, cells and jump rows of a mesh. Collective.
+pub(in crate::solve) fn discretize(
+    comm: &Comm,
+    case: &Case,
+    mesh: &LocalMesh,
+    sides: &[Sides],
+) -> Result<Discretization> {
+    let prescribed = Prescribed::new(case, &mesh.column);
+    let directory = Directory::new(comm, mesh.column.nodes(), &mesh.nodes);
+    let fixed = |node: u64| prescribed.components_of(node);
+    let rows = jump_rows(comm, mesh, sides, (case.dim, &fixed), &directory)?;
+    let mut needed = mesh.nodes.clone();
+    needed.extend(
+        rows.iter()
+            .flat_map(|r| r.rows.iter().flatten())
+            .flat_map(|r| r.others.iter().map(|o| o.0)),
+    );
+    let nodes = Nodes::new(comm, &directory, &needed)?;
+    drop(directory);
+    let cells = cells(case, mesh, &nodes);
+    Ok(Discretization::new(case.dim, cells, nodes, &prescribed, rows))
+}
+
+fn cells(case: &Case, mesh: &LocalMesh, nodes: &Nodes) -> Cells {
+    let stiffness = mesh
+        .prototypes
+        .iter()
+        .map(|p| {
+            let material = &case.materials[p.material];
+            let elastic = Elastic::new(material.young_modulus, material.poisson_ratio);
+            Stiffness::new(p, elastic, case.dim, case.has_mean_dilatation(material))
+        })
+        .collect();
+    let local = |name: u64| nodes.local(name).expect("the nodes of the rank's cells are held");
+    let connectivity = mesh.cells.iter().map(|c| {
+        let names = mesh.column.cell_nodes(mesh.column.cell_place(*c));
+        names.into_iter().map(local).collect()
+    });
+    Cells::new(case.dim, connectivity, mesh.cell_prototype.clone(), stiffness)
+}

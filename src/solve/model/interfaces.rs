@@ -1,0 +1,376 @@
+//! The state of the secondary nodes: tractions, jumps, branches and history.
+
+use crate::assembly::{Discretization, NodeState};
+use crate::comm::Comm;
+use crate::interface::{JumpRow, JumpRows};
+use crate::law::{Branch, InterfaceLaw, LawSpec, Local, Response};
+
+/// What the law of one secondary node answers, by displacement component.
+#[derive(Debug, Clone, Copy)]
+pub struct NodeResponse {
+    /// Traction that the bulk transmits (Pa); 0 where the component has no multiplier.
+    pub bulk_traction: [f64; 3],
+    /// Jump of the displacement (m).
+    pub jump: [f64; 3],
+    /// Jump that differs from the one the law asks for (m): zero at the solution.
+    pub defect: [f64; 3],
+    /// Traction with which the linearised law goes on from here (Pa).
+    pub law_traction: [f64; 3],
+    /// Augmented traction at which the law answered, less that of the state (Pa).
+    pub shift: [f64; 3],
+    /// What the tangent needs.
+    pub state: NodeState,
+    /// Derivative of the law's jump by the augmented traction (m/Pa).
+    pub compliance: [[f64; 3]; 3],
+    /// The regime.
+    pub branch: Branch,
+    /// Largest equivalent jump including this state (m).
+    pub history: f64,
+}
+
+/// One interface's law with its augmentation.
+pub struct JointLaw {
+    /// The law.
+    pub spec: LawSpec,
+    /// Augmentation r (Pa/m).
+    pub augmentation: f64,
+}
+
+/// The law at a node: strength, fracture energy and augmentation are those of its interface times
+/// the factor of its imperfection, and the critical jump is the same. With the factor f, its
+/// traction at a jump w is f t(w), so that the traction p = t + f r w is f times that of the
+/// interface's law.
+#[derive(Clone, Copy)]
+pub struct NodeLaw<'a> {
+    law: &'a dyn InterfaceLaw,
+    /// r of the interface (Pa/m).
+    interface_augmentation: f64,
+    factor: f64,
+}
+
+impl NodeLaw<'_> {
+    /// Augmentation r (Pa/m).
+    pub fn augmentation(&self) -> f64 {
+        self.factor * self.interface_augmentation
+    }
+
+    /// As [`InterfaceLaw::respond`], `p` with the augmentation of the node and that of the
+    /// `damping` (Pa/m), which adds to the tangent.
+    pub(in crate::solve) fn respond(
+        &self,
+        p: Local,
+        damping: f64,
+        history: f64,
+        dim: usize,
+    ) -> Response {
+        let f = self.factor;
+        let augmentation = self.interface_augmentation + damping / f;
+        let answer = self.law.respond(p.map(|p| p / f), augmentation, history, dim);
+        let mut tangent = answer.tangent.map(|row| row.map(|c| f * c));
+        for i in (0..dim).filter(|i| !answer.stuck[*i]) {
+            tangent[i][i] += damping;
+        }
+        Response {
+            traction: answer.traction.map(|t| f * t),
+            compliance: answer.compliance.map(|row| row.map(|a| a / f)),
+            tangent,
+            ..answer
+        }
+    }
+
+    /// As [`InterfaceLaw::strength`].
+    pub fn strength(&self) -> Option<f64> {
+        self.law.strength().map(|strength| self.factor * strength)
+    }
+
+    /// As [`InterfaceLaw::dissipated`].
+    pub fn dissipated(&self, history: f64) -> f64 {
+        self.factor * self.law.dissipated(history)
+    }
+
+    /// As [`InterfaceLaw::dissipated_after`], from what was dissipated before and the history then.
+    pub fn dissipated_after(&self, (before, from): (f64, f64), to: f64, jump: Local) -> f64 {
+        let f = self.factor;
+        f * self.law.dissipated_after(before / f, from, to, jump)
+    }
+
+    /// As [`InterfaceLaw::recoverable`].
+    pub fn recoverable(&self, jump: Local, history: f64) -> f64 {
+        self.factor * self.law.recoverable(jump, history)
+    }
+}
+
+/// Tractions that hold jumps back: `stiffness` times what a jump is beyond the one of an earlier
+/// state.
+pub struct Damping {
+    /// Pa/m.
+    pub stiffness: f64,
+    /// The earlier jumps at owned secondary nodes, by displacement component (m).
+    pub from: Vec<[f64; 3]>,
+}
+
+/// What interfaces keep from accepted states.
+pub(in crate::solve) struct History {
+    largest: Vec<f64>,
+    dissipated: Vec<f64>,
+    accepted: Vec<[f64; 3]>,
+}
+
+/// State of the secondary nodes that this rank owns, in the order of `Discretization::secondary`.
+pub struct InterfaceState {
+    dim: usize,
+    /// The law of each interface.
+    pub laws: Vec<JointLaw>,
+    /// What strength and fracture energy of the interface are multiplied by at each node.
+    pub factors: Vec<f64>,
+    /// Largest equivalent jump at the last accepted state (m).
+    pub committed: Vec<f64>,
+    /// Energy per area dissipated up to the last accepted state (J/m2).
+    pub dissipated: Vec<f64>,
+    /// Augmented traction at the last accepted state, by displacement component (Pa).
+    pub accepted: Vec<[f64; 3]>,
+    /// That from which laws answer linearly in the running step: the accepted one, or where the
+    /// node has opened or closed on the way (Pa).
+    pub(in crate::solve) base: Vec<[f64; 3]>,
+    /// The answers at the last evaluated state.
+    pub response: Vec<NodeResponse>,
+    /// How much larger than they are augmented tractions are taken.
+    pub overstress: f64,
+    /// On the way from an unstable state to a stable one.
+    pub damping: Option<Damping>,
+    /// Whether what holds has to soften in one state of Newton's method before it breaks in
+    /// another: where a volume of fluid opens an interface, the first correction from sticking
+    /// overshoots without bound.
+    pub is_gradual: bool,
+}
+
+impl InterfaceState {
+    /// The undamaged, unloaded state of the owned nodes, whose imperfections are `factors`.
+    pub fn new(dim: usize, laws: Vec<JointLaw>, factors: Vec<f64>) -> Self {
+        let owned = factors.len();
+        let rest = NodeResponse {
+            bulk_traction: [0.0; 3],
+            jump: [0.0; 3],
+            defect: [0.0; 3],
+            law_traction: [0.0; 3],
+            shift: [0.0; 3],
+            state: NodeState::STUCK,
+            compliance: [[0.0; 3]; 3],
+            branch: Branch::Stick,
+            history: 0.0,
+        };
+        let (committed, dissipated) = (vec![0.0; owned], vec![0.0; owned]);
+        let response = vec![rest; owned];
+        Self {
+            dim,
+            laws,
+            factors,
+            committed,
+            dissipated,
+            accepted: vec![[0.0; 3]; owned],
+            base: vec![[0.0; 3]; owned],
+            response,
+            overstress: 1.0,
+            damping: None,
+            is_gradual: false,
+        }
+    }
+
+    /// The law at the secondary node of an index, which `rows` belong to. Local.
+    pub fn law_at(&self, index: usize, rows: &JumpRows<u32>) -> NodeLaw<'_> {
+        let JointLaw { spec, augmentation } = &self.laws[rows.interface];
+        let factor = self.factors[index];
+        NodeLaw { law: spec.law(), interface_augmentation: *augmentation, factor }
+    }
+
+    /// Evaluates the laws at the displacements `u`, `dim` numbers per local node; `given` is the
+    /// traction of a row of the jump (Pa), by index of the secondary node and component. Local.
+    pub fn evaluate(
+        &mut self,
+        all: &Discretization,
+        u: &[f64],
+        given: impl Fn(usize, usize, &JumpRow<u32>) -> f64,
+    ) {
+        let dim = self.dim;
+        for index in 0..self.response.len() {
+            let rows = &all.secondary[index];
+            let law = self.law_at(index, rows);
+            let augmentation = law.augmentation();
+            let (mut traction, mut jump) = ([0.0; 3], [0.0; 3]);
+            for c in 0..dim {
+                if let Some(row) = &rows.rows[c] {
+                    let at = |node: u32| u[node as usize * dim + c];
+                    traction[c] = given(index, c, row);
+                    jump[c] = row.own * at(rows.node)
+                        + row.others.iter().map(|(n, a)| a * at(*n)).sum::<f64>();
+                }
+            }
+            let (damping, from) = match &self.damping {
+                Some(damping) => (damping.stiffness, damping.from[index]),
+                None => (0.0, [0.0; 3]),
+            };
+            // The law's own part of the traction is without d (w - from): its p, made with r + d,
+            // is t + r w + d from.
+            let p: [f64; 3] = std::array::from_fn(|c| {
+                self.overstress * (traction[c] + augmentation * jump[c]) + damping * from[c]
+            });
+            let respond = |part: f64| {
+                let p = to_local(p.map(|p| part * p), dim);
+                law.respond(p, damping, self.committed[index], dim)
+            };
+            let (mut part, mut answer) = (1.0, respond(1.0));
+            if self.is_gradual && holds(self.response[index].branch) {
+                while is_broken(answer.branch) && part > LEAST_PART {
+                    part *= 0.5;
+                    answer = respond(part);
+                }
+            }
+            let shift = p.map(|p| (part - 1.0) * p);
+            self.response[index] =
+                combine(rows, (traction, shift), jump, &answer, augmentation, dim);
+        }
+    }
+
+    /// Lets the laws of the nodes that are `marked`, or of all, answer linearly from their base, at
+    /// the state that was evaluated last. Local.
+    pub(in crate::solve) fn linearise_at_base(
+        &mut self,
+        all: &Discretization,
+        marked: Option<&[bool]>,
+    ) {
+        for index in (0..self.response.len()).filter(|index| marked.is_none_or(|m| m[*index])) {
+            let (rows, here) = (&all.secondary[index], self.augmented(all, index));
+            let law = self.law_at(index, rows);
+            let p = self.base[index].map(|p| self.overstress * p);
+            let answer = law.respond(to_local(p, self.dim), 0.0, self.committed[index], self.dim);
+            let shift = std::array::from_fn(|c| p[c] - here[c]);
+            let NodeResponse { bulk_traction, jump, .. } = self.response[index];
+            let traction = (bulk_traction, shift);
+            self.response[index] =
+                combine(rows, traction, jump, &answer, law.augmentation(), self.dim);
+        }
+    }
+
+    /// The augmented traction of the last evaluated state, by displacement component (Pa). Local.
+    pub(in crate::solve) fn augmented(&self, all: &Discretization, index: usize) -> [f64; 3] {
+        let r = self.law_at(index, &all.secondary[index]).augmentation();
+        let NodeResponse { bulk_traction, jump, .. } = &self.response[index];
+        std::array::from_fn(|c| bulk_traction[c] + r * jump[c])
+    }
+
+    /// The largest traction over the strength of its interface, compression left out; 0 where it is
+    /// no more than rounding beside the compression. Collective.
+    pub fn share_of_strength(&self, comm: &Comm, all: &Discretization) -> f64 {
+        let mut largest = [0.0_f64; 2];
+        for (index, response) in self.response.iter().enumerate() {
+            let law = self.law_at(index, &all.secondary[index]);
+            let Some(strength) = law.strength() else { continue };
+            let t = to_local(response.bulk_traction, self.dim);
+            for (largest, normal) in largest.iter_mut().zip([t[0].max(0.0), t[0]]) {
+                *largest = largest.max(normal.hypot(t[1]).hypot(t[2]) / strength);
+            }
+        }
+        comm.max(&mut largest);
+        if largest[0] > 1e-8 * largest[1] { largest[0] } else { 0.0 }
+    }
+
+    /// Takes the tractions of the last evaluated state for those of the accepted one. Local.
+    pub(in crate::solve) fn take_tractions(&mut self, all: &Discretization) {
+        for index in 0..self.response.len() {
+            self.accepted[index] = self.augmented(all, index);
+        }
+    }
+
+    /// What is kept from accepted states. Local.
+    pub(in crate::solve) fn history(&self) -> History {
+        let (largest, dissipated) = (self.committed.clone(), self.dissipated.clone());
+        History { largest, dissipated, accepted: self.accepted.clone() }
+    }
+
+    /// Goes back to what was kept from an earlier state. Local.
+    pub(in crate::solve) fn go_back_to(&mut self, history: History) {
+        self.committed = history.largest;
+        self.dissipated = history.dissipated;
+        self.accepted = history.accepted;
+    }
+
+    /// Makes the last evaluated state the accepted one.
+    pub fn commit(&mut self, all: &Discretization) {
+        for index in 0..self.response.len() {
+            let (jump, to) = (self.response[index].jump, self.response[index].history);
+            let before = (self.dissipated[index], self.committed[index]);
+            let law = self.law_at(index, &all.secondary[index]);
+            self.dissipated[index] = law.dissipated_after(before, to, to_local(jump, self.dim));
+            self.committed[index] = to;
+        }
+        self.take_tractions(all);
+    }
+}
+
+/// How much smaller an augmented traction is taken at least, so that it does not break.
+const LEAST_PART: f64 = 1e-30;
+
+fn holds(branch: Branch) -> bool {
+    matches!(branch, Branch::Stick | Branch::StickClosed)
+}
+
+fn is_broken(branch: Branch) -> bool {
+    matches!(branch, Branch::Broken | Branch::BrokenClosed)
+}
+
+/// Puts the law's answer into displacement components; components without a multiplier take no
+/// part. The law answered to a traction that had a `shift` from that of the bulk (Pa).
+fn combine(
+    rows: &JumpRows<u32>,
+    (traction, shift): ([f64; 3], [f64; 3]),
+    jump: [f64; 3],
+    answer: &Response,
+    augmentation: f64,
+    dim: usize,
+) -> NodeResponse {
+    let (mut defect, mut law_traction) = ([0.0; 3], [0.0; 3]);
+    let mut state = NodeState { stuck: [false; 3], jump: [false; 3], tangent: [[0.0; 3]; 3] };
+    let mut compliance = [[0.0; 3]; 3];
+    let active = |c: usize| c < dim && rows.rows[c].is_some();
+    for c in (0..dim).filter(|c| active(*c)) {
+        let local = local_index(c, dim);
+        state.stuck[c] = answer.stuck[local];
+        defect[c] = jump[c] - answer.jump[local];
+        for d in (0..dim).filter(|d| active(*d)) {
+            state.tangent[c][d] = answer.tangent[local][local_index(d, dim)];
+            compliance[c][d] = answer.compliance[local][local_index(d, dim)];
+        }
+    }
+    for c in (0..dim).filter(|c| active(*c)) {
+        law_traction[c] = traction[c];
+        if !state.stuck[c] {
+            // A^-1 = C + r I on the components that are not stuck.
+            let change: f64 = (0..dim)
+                .filter(|d| !state.stuck[*d])
+                .map(|d| state.tangent[c][d] * defect[d])
+                .sum();
+            law_traction[c] += shift[c] + change + augmentation * defect[c];
+        }
+    }
+    NodeResponse {
+        bulk_traction: traction,
+        jump,
+        defect,
+        law_traction,
+        shift,
+        state,
+        compliance,
+        branch: answer.branch,
+        history: answer.history,
+    }
+}
+
+/// Components (x, y, z; x, z in 2D) to the frame (n, t1, t2) of a horizontal interface.
+pub fn to_local(v: [f64; 3], dim: usize) -> [f64; 3] {
+    if dim == 2 { [v[1], v[0], 0.0] } else { [v[2], v[0], v[1]] }
+}
+
+/// Place of a component in the frame (n, t1, t2).
+fn local_index(component: usize, dim: usize) -> usize {
+    if component + 1 == dim { 0 } else { component + 1 }
+}

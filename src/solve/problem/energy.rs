@@ -1,0 +1,108 @@
+//! Energy: stored, dissipated, and the work of supports and loads.
+
+use crate::solve::Problem;
+
+/// Energies of an accepted state (J; 2D: per metre of thickness).
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Energy {
+    /// Stored in the bulk, and what the interfaces give back.
+    pub elastic: f64,
+    /// Dissipated by the interfaces since the start.
+    pub dissipated: f64,
+    /// Work of supports and loads since the start, trapezoidal between accepted states.
+    pub external: f64,
+    /// Likewise of the fluid in the pores and in open interfaces on the skeleton.
+    pub fluid: f64,
+}
+
+/// Potential energy of the state that `problem` evaluated last: what is stored and dissipated, less
+/// the work that the present loads would have done on the way from rest (J; 2D: per metre of
+/// thickness). Under the same loads and prescribed displacements, from the same history, stable
+/// states are its minima. Collective.
+pub(in crate::solve) fn potential(problem: &Problem<'_>) -> f64 {
+    let load = problem.applied();
+    let owned = problem.all.nodes.owned * problem.all.dim;
+    let work: f64 = load[..owned].iter().zip(&problem.displacement).map(|(f, u)| f * u).sum();
+    let [stored, dissipated] = held(problem, &load);
+    let mut sum = [stored + dissipated - work];
+    problem.comm.sum(&mut sum);
+    sum[0]
+}
+
+/// What this rank's part of a state stores and has dissipated (J), with all that acts on the bulk
+/// summed at its nodes.
+fn held(problem: &Problem<'_>, load: &[f64]) -> [f64; 2] {
+    let (all, dim) = (&problem.all, problem.all.dim);
+    let forces = problem.bulk_force.iter().zip(load).zip(&problem.displacement);
+    let owned = forces.take(all.nodes.owned * dim);
+    let mut stored: f64 = owned.map(|((force, load), u)| 0.5 * u * (force + load)).sum();
+    let mut dissipated = 0.0;
+    let state = &problem.interfaces;
+    for (index, response) in state.response.iter().enumerate() {
+        let rows = &all.secondary[index];
+        let law = state.law_at(index, rows);
+        let weight = rows.law_weight(dim);
+        let jump = crate::solve::model::interfaces::to_local(response.jump, dim);
+        let before = (state.dissipated[index], state.committed[index]);
+        dissipated += weight * law.dissipated_after(before, response.history, jump);
+        stored += weight * law.recoverable(jump, response.history);
+    }
+    [stored, dissipated]
+}
+
+/// What does work between two accepted states.
+#[derive(Debug, Clone)]
+pub(in crate::solve) struct Work {
+    pub(in crate::solve) displacement: Vec<f64>,
+    pub(in crate::solve) force: Vec<f64>,
+    pub(in crate::solve) total: f64,
+    /// Forces of the pore pressure (N); empty without one.
+    pub(in crate::solve) pore_force: Vec<f64>,
+    /// Their work.
+    pub(in crate::solve) of_fluid: f64,
+}
+
+impl Work {
+    /// At rest, with `size` owned components.
+    pub fn new(size: usize) -> Self {
+        let (displacement, force) = (vec![0.0; size], vec![0.0; size]);
+        Self { displacement, force, total: 0.0, pore_force: Vec::new(), of_fluid: 0.0 }
+    }
+
+    /// Energies of the state that `problem` evaluated last and its interfaces have committed; its
+    /// work adds to that of the states before. Collective.
+    pub fn accept(&mut self, problem: &Problem<'_>) -> Energy {
+        let (all, dim) = (&problem.all, problem.all.dim);
+        let mut load = problem.load.clone();
+        all.nodes.add_to_owners(&mut load, dim);
+        let mut pore_force = problem.pore_force.clone();
+        if !pore_force.is_empty() {
+            all.nodes.add_to_owners(&mut pore_force, dim);
+            self.pore_force.resize(self.displacement.len(), 0.0);
+        }
+        let (mut work, mut of_fluid) = (0.0, 0.0);
+        for node in 0..all.nodes.owned {
+            for c in 0..dim {
+                let i = node * dim + c;
+                let u = problem.displacement[i];
+                let support = if all.prescribed[node][c] { problem.balance[i] } else { 0.0 };
+                let force = support + load[i];
+                let step = u - self.displacement[i];
+                work += 0.5 * (self.force[i] + force) * step;
+                if let Some(before) = self.pore_force.get_mut(i) {
+                    of_fluid += 0.5 * (*before + pore_force[i]) * step;
+                    *before = pore_force[i];
+                }
+                self.displacement[i] = u;
+                self.force[i] = force;
+            }
+        }
+        let [stored, dissipated] = held(problem, &problem.applied());
+        let mut sums = [stored, dissipated, work, of_fluid];
+        problem.comm.sum(&mut sums);
+        self.total += sums[2];
+        self.of_fluid += sums[3];
+        let (external, fluid) = (self.total, self.of_fluid);
+        Energy { elastic: sums[0], dissipated: sums[1], external, fluid }
+    }
+}

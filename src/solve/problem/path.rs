@@ -1,0 +1,295 @@
+//! Path following: all loads are scaled by a factor that follows from a quantity of an interface.
+//!
+//! Each correction solves two systems with the same tangent, one for the out-of-balance forces and
+//! one for a change of the loads, and combines them so that the quantity takes its value
+//! (bordering: the row of the constraint never enters the matrix).
+
+use super::condensed;
+use crate::assembly::{CellSet, Discretization};
+use crate::case::{Control, ControlKind};
+use crate::comm::Comm;
+use crate::law::Branch;
+use crate::solve::model::interfaces::InterfaceState;
+
+/// In the first evaluation of a step augmented tractions are taken this much larger: a point that
+/// stands on its threshold then softens on, instead of unloading.
+pub const OVERSTRESS: f64 = 1e-7;
+
+/// So far beyond rupture the last step goes, over the critical jump: on the edge itself Newton's
+/// method would cycle.
+const BEYOND: f64 = 1e-9;
+
+/// The load factor and what it follows from.
+pub struct PathControl {
+    control: Control,
+    /// The quantity in words.
+    words: String,
+    /// What all loads are scaled by.
+    pub factor: f64,
+    /// The factor at the last accepted state.
+    accepted: f64,
+    /// The value that the quantity is to take.
+    target: f64,
+    /// The loads at factor 1 per local node, not summed (N).
+    pub unit_load: Vec<f64>,
+    /// The prescribed displacements at factor 1, owned components (m).
+    pub unit_displacement: Vec<f64>,
+    /// Whether the factor is held for now.
+    held: bool,
+    /// Why the factor could not be found in the running step.
+    pub failure: Option<String>,
+    /// Whether that was a linear solve.
+    pub is_unsolved: bool,
+}
+
+/// The quantity at a state: its value, and how it answers to a change of the displacement.
+struct Sums {
+    /// Area, or energy of full rupture.
+    weight: f64,
+    value: f64,
+    /// Of the corrections given.
+    changes: [f64; 2],
+}
+
+impl PathControl {
+    /// Without loads yet.
+    pub fn new(control: Control, words: String) -> Self {
+        Self {
+            control,
+            words,
+            factor: 0.0,
+            accepted: 0.0,
+            target: 0.0,
+            unit_load: Vec::new(),
+            unit_displacement: Vec::new(),
+            held: false,
+            failure: None,
+            is_unsolved: false,
+        }
+    }
+
+    /// The time whose loads are scaled at `time`.
+    pub fn load_time(&self, time: f64) -> f64 {
+        self.control.load_time(time)
+    }
+
+    /// Starts a step to `time` from the last accepted state.
+    pub fn start(&mut self, time: f64) {
+        self.target = self.control.target(time);
+        if self.breaks() {
+            self.target += BEYOND;
+        }
+        self.factor = self.accepted;
+        self.forget_failure();
+    }
+
+    /// Makes another solve possible.
+    pub fn forget_failure(&mut self) {
+        (self.failure, self.is_unsolved) = (None, false);
+    }
+
+    /// Whether the step is to break all that is left of the interface.
+    pub fn breaks(&self) -> bool {
+        matches!(self.control.kind, ControlKind::Dissipation(_)) && self.target >= 1.0
+    }
+
+    /// The dissipated part of the energy, or the mean opening (m). Collective.
+    pub fn value(&self, comm: &Comm, all: &Discretization, state: &InterfaceState) -> f64 {
+        let none = vec![0.0; all.nodes.len() * all.dim];
+        let sums = self.sums(comm, all, state, [&none, &none], false);
+        sums.value / sums.weight
+    }
+
+    /// The factor of the last accepted state.
+    pub fn accepted_factor(&self) -> f64 {
+        self.accepted
+    }
+
+    /// Goes on from the factor of a state that an earlier run accepted.
+    pub fn resume(&mut self, factor: f64) {
+        (self.accepted, self.factor) = (factor, factor);
+    }
+
+    /// Makes the factor that of an accepted state.
+    pub fn accept(&mut self) {
+        self.accepted = self.factor;
+    }
+
+    /// Whether the step asks for the state in which something is about to give way.
+    pub fn asks_for_onset(&self) -> bool {
+        matches!(self.control.kind, ControlKind::Dissipation(_)) && self.target == 0.0
+    }
+
+    /// Holds the factor at a value, or lets it follow.
+    pub fn hold(&mut self, factor: Option<f64>) {
+        self.held = factor.is_some();
+        self.factor = factor.unwrap_or(self.factor);
+    }
+
+    /// Whether the factor follows from the quantity.
+    pub fn follows(&self) -> bool {
+        !self.held
+    }
+
+    /// How much larger augmented tractions are taken in the first evaluation of a step.
+    pub fn overstress(&self) -> f64 {
+        if self.held { 1.0 } else { 1.0 + OVERSTRESS }
+    }
+
+    /// How far the quantity is from its value, over its scale; 0 while the factor is held.
+    /// Collective.
+    pub fn error(&self, comm: &Comm, all: &Discretization, state: &InterfaceState) -> f64 {
+        if self.held {
+            return 0.0;
+        }
+        let none = vec![0.0; all.nodes.len() * all.dim];
+        let sums = self.sums(comm, all, state, [&none, &none], self.breaks());
+        let scale = match self.control.kind {
+            ControlKind::Dissipation(_) => 1.0,
+            ControlKind::Opening(_) => {
+                state.laws[self.control.interface].spec.law().typical_jump().unwrap_or(1.0)
+            }
+        };
+        (sums.value / sums.weight - self.target).abs() / scale
+    }
+
+    /// The change of the residual with the factor, where the state is linearised; owned components.
+    /// Collective.
+    pub fn load_residual(
+        &self,
+        comm: &Comm,
+        all: &Discretization,
+        state: &InterfaceState,
+    ) -> Vec<f64> {
+        let dim = all.dim;
+        let mut u = self.unit_displacement.clone();
+        condensed::follow(all, state, &mut u);
+        u.resize(all.nodes.len() * dim, 0.0);
+        all.nodes.update_ghosts(&mut u, dim);
+        let mut force: Vec<f64> = self.unit_load.iter().map(|load| -load).collect();
+        all.cells.add_forces(CellSet::All, &u, &mut force, None);
+        all.nodes.add_to_owners(&mut force, dim);
+        let bulk = force.clone();
+        let traction = |index: usize, c: usize| {
+            let (rows, response) = (&all.secondary[index], &state.response[index]);
+            let Some(row) = &rows.rows[c] else { return 0.0 };
+            if response.state.stuck[c] {
+                return -bulk[rows.node as usize * dim + c] / (row.weight * row.own);
+            }
+            let free = (0..dim).filter(|d| !response.state.stuck[*d]);
+            free.map(|d| response.state.tangent[c][d] * all.jump(index, d, &u)).sum()
+        };
+        all.add_tractions(traction, &mut force);
+        force.truncate(all.nodes.owned * dim);
+        condensed::fold(comm, all, state, &mut force);
+        let free = condensed::free_components(all, state);
+        force
+            .iter_mut()
+            .zip(free)
+            .for_each(|(force, free)| *force = if free { *force } else { 0.0 });
+        force
+    }
+
+    /// Turns the two solutions, in the unknowns, into one correction of the displacements, and
+    /// changes the factor; `along` belongs to [`PathControl::load_residual`]. Collective.
+    pub fn combine(
+        &mut self,
+        comm: &Comm,
+        all: &Discretization,
+        state: &InterfaceState,
+        correction: &mut [f64],
+        mut along: Vec<f64>,
+    ) {
+        for (along, unit) in along.iter_mut().zip(&self.unit_displacement) {
+            *along -= unit;
+        }
+        condensed::follow(all, state, correction);
+        condensed::follow(all, state, &mut along);
+        let mut local = [correction.to_vec(), along.clone()];
+        for v in &mut local {
+            v.resize(all.nodes.len() * all.dim, 0.0);
+            all.nodes.update_ghosts(v, all.dim);
+        }
+        let sums = self.sums(comm, all, state, [&local[0], &local[1]], self.breaks());
+        let missing = sums.value - self.target * sums.weight;
+        let change = (missing - sums.changes[0]) / sums.changes[1];
+        if !change.is_finite() {
+            self.failure = Some(format!(
+                "{} does not follow the loads at the factor {:e}: nothing there softens or opens; \
+                 see that the loads pull it, or that it is the first to give way",
+                self.words, self.factor
+            ));
+            return;
+        }
+        self.factor += change;
+        correction.iter_mut().zip(&along).for_each(|(y, along)| *y += change * along);
+    }
+
+    /// Value and linear answers of the quantity, over all ranks; with `breaks` the dissipation
+    /// gives way to the jumps over the critical one, which grow on beyond rupture. Collective.
+    fn sums(
+        &self,
+        comm: &Comm,
+        all: &Discretization,
+        state: &InterfaceState,
+        corrections: [&[f64]; 2],
+        breaks: bool,
+    ) -> Sums {
+        let (dim, normal) = (all.dim, all.dim - 1);
+        let law = state.laws[self.control.interface].spec.law();
+        let critical = law.jump_scale().unwrap_or(f64::MAX);
+        let full = law.dissipated(critical);
+        let mut sums = [0.0; 4];
+        let owned = all.secondary[..all.owned_secondary()].iter().zip(&state.response);
+        for (index, (rows, response)) in owned.enumerate() {
+            if rows.interface != self.control.interface || !rows.has_multiplier() {
+                continue;
+            }
+            match self.control.kind {
+                ControlKind::Opening(_) => {
+                    let Some(row) = &rows.rows[normal] else { continue };
+                    sums[0] += row.weight;
+                    sums[1] += row.weight * response.jump[normal];
+                    for (sum, v) in sums[2..].iter_mut().zip(corrections) {
+                        *sum += row.weight * all.jump(index, normal, v);
+                    }
+                }
+                ControlKind::Dissipation(_) => {
+                    // What the law dissipates has the factor of the node.
+                    let weight = rows.law_weight(dim) * state.factors[index];
+                    sums[0] += weight * full;
+                    // The law's jump; the history is its size, and follows the displacement's.
+                    let own: [f64; 3] =
+                        std::array::from_fn(|c| response.jump[c] - response.defect[c]);
+                    let size = own.iter().map(|w| w * w).sum::<f64>().sqrt();
+                    let grows =
+                        matches!(response.branch, Branch::Softening | Branch::SofteningClosed);
+                    let breaks_now =
+                        response.branch.is_separated() && state.committed[index] < critical;
+                    let (value, rate) = if breaks {
+                        let grown = if breaks_now { size } else { response.history };
+                        (full * grown / critical, full / critical)
+                    } else {
+                        let (history, step) = (response.history, 1e-4 * response.history);
+                        let [low, high] = [history - step, history + step];
+                        let rate = (law.dissipated(high) - law.dissipated(low)) / (2.0 * step);
+                        (law.dissipated(history), rate)
+                    };
+                    sums[1] += weight * value;
+                    if !(grows || breaks && breaks_now) {
+                        continue;
+                    }
+                    for c in (0..dim).filter(|_| size > 0.0) {
+                        let direction = weight * rate * own[c] / size;
+                        sums[1] += direction * response.defect[c];
+                        for (sum, v) in sums[2..].iter_mut().zip(corrections) {
+                            *sum += direction * all.jump(index, c, v);
+                        }
+                    }
+                }
+            }
+        }
+        comm.sum(&mut sums);
+        Sums { weight: sums[0], value: sums[1], changes: [sums[2], sums[3]] }
+    }
+}

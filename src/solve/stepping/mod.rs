@@ -1,0 +1,393 @@
+//! From instant to instant, in one step where possible.
+
+mod along_path;
+mod bifurcation;
+mod branching;
+mod descent;
+mod doubts;
+mod growth;
+mod persist;
+mod ramp;
+mod rounding;
+mod start;
+mod step_state;
+mod words;
+
+pub use bifurcation::Bifurcation;
+pub use step_state::{MOST_COUNTED, StepState};
+
+use std::time::{Duration, Instant};
+
+use super::problem::Problem;
+use super::stability::Instability;
+use crate::assembly::PoreSpace;
+use crate::case::{Case, Stability};
+use crate::error::{Error, Result};
+use crate::petsc::{Snes, SolveReport, Vector};
+use crate::solve::flow::coupled::{CoupledSystem, Coupling};
+use crate::solve::problem::energy::{Energy, Work};
+use crate::solve::problem::saddle::{SaddlePoint, SaddleSystem};
+use crate::space::Prescribed;
+use crate::{fault, signals};
+use bifurcation::Consequence;
+use ramp::Ramp;
+
+/// A step is halved at most this often.
+const MOST_HALVINGS: u32 = 10;
+
+/// What it took to reach an instant.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Accepted {
+    /// Linearised corrections, those of steps that failed included.
+    pub newton_iterations: usize,
+    /// Iterations of the linear solver.
+    pub linear_iterations: usize,
+    /// Steps that were accepted on the way, 1 if none was cut.
+    pub steps: usize,
+    /// Energies at the instant.
+    pub energy: Energy,
+    /// 2-norm of the out-of-balance forces at the instant (N).
+    pub residual_norm: f64,
+}
+
+/// Advances a problem in time.
+pub struct Stepper<'a> {
+    /// The problem, at the last state it evaluated.
+    pub problem: Problem<'a>,
+    /// The nonlinear solver.
+    pub snes: Snes,
+    pub(super) case: &'a Case,
+    /// Set in the saddle-point form.
+    saddle: Option<SaddlePoint>,
+    /// Set where the pore pressure is computed.
+    pub coupling: Option<Coupling>,
+    /// The unknowns, the displacements first.
+    pub(super) x: Vector,
+    prescribed: Prescribed,
+    breakpoints: Vec<f64>,
+    /// The accepted states that are not stable.
+    pub instabilities: Vec<Instability>,
+    /// The accepted states that were reached from one that is not stable.
+    pub bifurcations: Vec<Bifurcation>,
+    /// What else is to be said of accepted states.
+    pub remarks: Vec<String>,
+    /// Where what jumps at the start has to grow.
+    ramp: Option<Ramp>,
+    /// Forces of the pressures at the start, per local node, not summed (N).
+    initial_pore_force: Vec<f64>,
+    /// Whether smaller steps are tried where states are unstable.
+    pub(super) tries_smaller_steps: bool,
+    /// Whether the running step was cut for an unstable state.
+    is_cutting: bool,
+    /// Length and smallest length of the steps to go on with after a pause before the instant.
+    paused: Option<(f64, f64)>,
+    /// Whether conjugate gradients have met an indefinite tangent.
+    is_indefinite: bool,
+    pub(super) work: Work,
+    pub(super) time: f64,
+    /// Length of the steps to begin with, where earlier ones had to be cut.
+    pub(super) step: f64,
+    pub(super) energy: Energy,
+    /// What it took since the last instant.
+    pub(super) since_instant: Accepted,
+    /// Whether the equilibrium at the start has been found.
+    pub(super) has_begun: bool,
+    /// What an earlier run left behind.
+    pub earlier: StepState,
+    /// How long the longest accepted step took.
+    longest: Duration,
+}
+
+impl<'a> Stepper<'a> {
+    /// At rest at the start of the case.
+    pub fn new(
+        case: &'a Case,
+        problem: Problem<'a>,
+        snes: Snes,
+        (saddle, coupling): (Option<SaddlePoint>, Option<Coupling>),
+        x: Vector,
+        prescribed: Prescribed,
+    ) -> Self {
+        let work = Work::new(problem.all.nodes.owned * problem.all.dim);
+        let (time, energy) = (case.start, Energy::default());
+        let breakpoints = case.breakpoints();
+        let (instabilities, bifurcations) = (Vec::new(), Vec::new());
+        let tries_smaller_steps =
+            matches!(case.solver.stability, Stability::Auto | Stability::Follow);
+        let mut stepper = Self {
+            problem,
+            snes,
+            case,
+            saddle,
+            coupling,
+            x,
+            prescribed,
+            breakpoints,
+            instabilities,
+            bifurcations,
+            remarks: Vec::new(),
+            ramp: None,
+            initial_pore_force: Vec::new(),
+            tries_smaller_steps,
+            is_cutting: false,
+            paused: None,
+            is_indefinite: false,
+            work,
+            time,
+            step: f64::INFINITY,
+            energy,
+            since_instant: Accepted::default(),
+            has_begun: false,
+            earlier: StepState::default(),
+            longest: Duration::ZERO,
+        };
+        stepper.initial_pore_force = stepper.pore_force_of(&stepper.coupling);
+        stepper
+    }
+
+    /// Solves for the state at `instant`. A step that fails is halved; the instant itself, and the
+    /// times before at which a table bends, are always reached exactly. None after a step that did
+    /// not reach it and took long, where a checkpoint may be due: to be called again. Collective.
+    ///
+    /// # Errors
+    /// `Numerics` when the smallest step fails, with the reason and the place, and when a rupture
+    /// leaves a body free; `Input` when a
+    /// formula gives no finite number.
+    pub fn advance(&mut self, instant: f64) -> Result<Option<Accepted>> {
+        let mut total = std::mem::take(&mut self.since_instant);
+        if self.starts_in_equilibrium() && !self.has_begun {
+            let begun = self.begin_in_equilibrium(&mut total);
+            if begun.is_err() {
+                self.since_instant = total;
+                begun?;
+            }
+        }
+        while self.time < instant {
+            let passed = self.breakpoints.partition_point(|time| *time <= self.time);
+            let next = self.breakpoints.get(passed).map_or(instant, |time| time.min(instant));
+            let advanced = self.advance_without_bends(next, &mut total);
+            if self.breakpoints.contains(&self.time)
+                && let Some(pace) = self.coupling.as_mut().and_then(|c| c.flow.pace.as_mut())
+            {
+                pace.jump();
+            }
+            if advanced.is_err() {
+                self.since_instant = total;
+                advanced?;
+            }
+            if self.paused.is_some() {
+                self.since_instant = total;
+                return Ok(None);
+            }
+        }
+        total.energy = self.energy;
+        total.residual_norm = self.problem.residual_norm;
+        Ok(Some(total))
+    }
+
+    /// As [`Stepper::advance`], to the next time at which a table bends.
+    fn advance_without_bends(&mut self, instant: f64, total: &mut Accepted) -> Result<()> {
+        let smallest = (instant - self.time) / f64::from(1 << MOST_HALVINGS);
+        let step = self.step.min(instant - self.time);
+        let (mut step, smallest) = self.paused.take().unwrap_or((step, smallest));
+        // Where parts of a step that was cut for a doubt fail, all that is left is tried once more.
+        let (mut was_doubted, mut is_last) = (false, false);
+        while self.time < instant {
+            self.stop_if_asked(self.longest)?;
+            let (started, counts) = (Instant::now(), *total);
+            // Halving is exact, so the last step ends at the instant to the last bit.
+            let mut target =
+                if instant - self.time <= 1.5 * step { instant } else { self.time + step };
+            let pace = self.coupling.as_ref().and_then(|coupling| coupling.flow.pace.as_ref());
+            if let Some(pace) = pace {
+                target = pace.target(self.time, target);
+            }
+            let mut before = self.x.duplicate()?;
+            before.copy_from(&self.x)?;
+            // The step is made again by the run that goes on.
+            let attempted = self.attempt(target, &before, total).inspect_err(|_| *total = counts);
+            let (report, unstable) = attempted?;
+            let converged = report.reason.is_converged();
+            if let Some(Coupling { flow, .. }) = &mut self.coupling
+                && converged
+                && !flow.is_accurate(self.problem.comm)
+            {
+                tracing::debug!("  step from {} to {target} was too long for flow", self.time);
+                self.x.copy_from(&before)?;
+                continue;
+            }
+            let consequence = match &unstable {
+                Some(found) => self.consequence(found, (step, smallest), total),
+                None => Ok(Consequence::Taken),
+            };
+            let consequence = consequence.inspect_err(|_| *total = counts)?;
+            let is_taken = converged && !matches!(consequence, Consequence::Cut);
+            let mut doubt = if is_taken { self.doubt(target) } else { None };
+            if is_taken
+                && !doubt.as_ref().is_some_and(|doubt| doubt.is_worth(step, smallest, is_last))
+            {
+                if let Some(doubt) = doubt.take() {
+                    self.bear(doubt)?;
+                }
+                let owned = self.problem.all.nodes.owned * self.problem.all.dim;
+                fault::strike_values(
+                    self.problem.comm,
+                    "step",
+                    &mut self.problem.displacement[..owned],
+                )?;
+                self.accept(self.reached(target)?);
+                self.keep(unstable, consequence);
+                total.steps += 1;
+                self.longest = self.longest.max(started.elapsed());
+                step *= 2.0;
+                if self.time < instant && self.problem.pulse.is_slow() {
+                    self.paused = Some((step, smallest));
+                    return Ok(());
+                }
+                continue;
+            }
+            let why = match (&doubt, unstable) {
+                (Some(doubt), _) => doubt.words.clone(),
+                (None, Some(found)) => found.words(self.case),
+                (None, None) => self.reason(&report),
+            };
+            self.x.copy_from(&before)?;
+            if let Err(stopped) = self.stop_if_asked(Duration::ZERO) {
+                *total = counts;
+                return Err(stopped);
+            }
+            if step <= smallest && converged {
+                return Err(Error::Numerics(format!(
+                    "{why}; a step of {step:e} from {} changes nothing (solver.stability: warn goes on)",
+                    self.time
+                )));
+            }
+            was_doubted |= doubt.as_ref().is_some_and(|doubt| !doubt.is_final);
+            if step <= smallest && was_doubted && !is_last {
+                tracing::info!(
+                    "  step from {} to {target} failed: {why}; {instant} at once",
+                    self.time
+                );
+                (is_last, step) = (true, instant - self.time);
+                continue;
+            }
+            if step <= smallest {
+                return Err(Error::Numerics(format!(
+                    "no solution at time {target}, reached from {} with the smallest step {step:e} \
+                     (after {MOST_HALVINGS} halvings): {why}{}{}",
+                    self.time,
+                    self.rounding_words(),
+                    self.advice()
+                )));
+            }
+            tracing::info!("  step from {} to {target} failed: {why}; halved", self.time);
+            if self.time == self.case.start && !self.has_begun && self.ramp.is_none() {
+                self.grow_until(instant)?;
+            }
+            step = 0.5 * (target - self.time);
+            self.step = step;
+        }
+        if self.step.is_finite() {
+            self.step = step;
+        }
+        Ok(())
+    }
+
+    /// Ends the run at the last accepted state when a signal asks for it, or when another step of
+    /// the length `ahead` would pass the wall-clock limit. Collective.
+    fn stop_if_asked(&self, ahead: Duration) -> Result<()> {
+        match signals::stop(self.problem.comm, ahead) {
+            Some(reason) => Err(signals::stopped(reason)),
+            None => Ok(()),
+        }
+    }
+
+    /// The porous cells and the pressures of all local nodes of theirs (Pa), computed or known.
+    /// Local.
+    pub fn pores(&self) -> Option<(&PoreSpace, &[f64])> {
+        let computed = self.coupling.as_ref().map(|c| (&*c.flow.space, &c.flow.pressure[..]));
+        let known = self.problem.known_pressure.as_ref();
+        computed.or(known.map(|known| (&known.space, &known.pressure[..])))
+    }
+
+    fn try_step(&mut self, target: f64) -> Result<SolveReport> {
+        let report = if self.problem.path.is_some() {
+            self.solve_path(target)?
+        } else {
+            self.set_load(target, self.part_at(target))?;
+            if let Some(coupling) = &mut self.coupling {
+                coupling.flow.start_step(self.problem.comm, self.time, target)?;
+            }
+            let written = self.write_displacements(target, self.part_at(target));
+            self.problem.comm.agree(written)?;
+            let written = self.write_pressures(target);
+            self.problem.comm.agree(written)?;
+            self.problem.predict();
+            self.solve()?
+        };
+        self.persist(report)
+    }
+
+    fn solve(&mut self) -> Result<SolveReport> {
+        self.problem.convergence.start();
+        let problem = &mut self.problem;
+        if let Some(coupling) = &mut self.coupling {
+            return self.snes.solve(&mut CoupledSystem { problem, coupling }, &mut self.x);
+        }
+        let Some(form) = &mut self.saddle else { return self.snes.solve(problem, &mut self.x) };
+        form.start(problem, &mut self.x)?;
+        self.snes.solve(&mut SaddleSystem { problem, form }, &mut self.x)
+    }
+
+    /// Writes the prescribed displacements at `time`, with `part` of what jumps at the start.
+    fn write_displacements(&mut self, time: f64, part: f64) -> Result<()> {
+        let start = self.case.start;
+        let mut x = self.x.write()?;
+        self.problem.all.for_prescribed(|node, component| {
+            let name = self.problem.all.nodes.names[node];
+            let entry = self.prescribed.entries_of(name)[component];
+            let at = |entry, time| self.prescribed.value(entry, component, name, time);
+            let value = |entry| match part {
+                1.0 => at(entry, time),
+                _ => Ok(at(entry, time)? - (1.0 - part) * at(entry, start)?),
+            };
+            x[node * self.problem.all.dim + component] = entry.map_or(Ok(0.0), value)?;
+            Ok(())
+        })
+    }
+
+    fn write_pressures(&mut self, time: f64) -> Result<()> {
+        let Some(Coupling { flow, .. }) = &self.coupling else { return Ok(()) };
+        let displacements = self.problem.all.nodes.owned * self.problem.all.dim;
+        flow.write_prescribed(time, &mut self.x.write()?[displacements..])
+    }
+
+    /// Takes a state that was found elsewhere for the accepted one at `time`: `displacement` of
+    /// owned nodes, with the history and energy of the interfaces before it in place. Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn adopt(&mut self, time: f64, displacement: &[f64], accepted: &Accepted) -> Result<()> {
+        self.x.write()?[..displacement.len()].copy_from_slice(displacement);
+        self.problem.set_load(time)?;
+        self.problem.residual_norm = self.problem.out_of_balance(displacement)?;
+        self.accept(time);
+        self.work.total = accepted.energy.external;
+        self.energy = accepted.energy;
+        Ok(())
+    }
+
+    fn accept(&mut self, time: f64) {
+        self.time = time;
+        if let Some(path) = &mut self.problem.path {
+            path.accept();
+        }
+        self.problem.convergence.accept();
+        self.problem.interfaces.commit(&self.problem.all);
+        if let Some(Coupling { flow, .. }) = &mut self.coupling {
+            flow.accept(self.problem.comm, &self.problem.all, &self.problem.displacement);
+        }
+        self.energy = self.work.accept(&self.problem);
+        self.problem.pulse.accept();
+    }
+}
