@@ -5,7 +5,7 @@
 # cargo-deny takes minutes to build, so that this is not one of the tests.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-version=0.18.5
+version=0.20.2
 if ! cargo deny --version 2>/dev/null | grep -qF "$version"; then
     cargo install --locked --version "$version" cargo-deny
 fi

@@ -1,5 +1,6 @@
 //! The case file as checked types: whatever is in a [`Case`] can be computed.
 
+mod bodies;
 mod checked;
 mod checks;
 mod schema;

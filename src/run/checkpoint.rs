@@ -157,7 +157,9 @@ impl Keeper {
 fn check(state: &State, progress: &Progress<'_>, model: &Model<'_>, file: &Path) -> Result<()> {
     let when = format!("at time {}", state.step.time);
     if let Some((what, node, value)) = state.first_not_finite() {
-        let [x, y, z] = model.mesh.column.point(node);
+        let nodes = &model.stepper.problem.all.nodes;
+        let point = nodes.local(node).map_or([f64::NAN; 3], |node| nodes.points[node as usize]);
+        let [x, y, z] = point;
         return Err(refused(what, value, &format!("at ({x}, {y}, {z}) m {when}"), file));
     }
     let step = &state.step;

@@ -210,7 +210,7 @@ fn film_pressure(model: &Model<'_>, nodes: &[usize]) -> Vec<f64> {
 }
 
 fn point(model: &Model<'_>, node: u32) -> [f64; 3] {
-    model.mesh.column.point(model.stepper.problem.all.nodes.names[node as usize])
+    model.stepper.problem.all.nodes.points[node as usize]
 }
 
 /// Components to x, y, z.
@@ -235,8 +235,8 @@ impl BulkMesh {
     fn new(comm: &Comm, model: &Model<'_>) -> Self {
         let all = &model.stepper.problem.all;
         let number = |n: &u32| i64::from(all.nodes.numbers[*n as usize]);
-        let shape = |p: &u16| Shape::of(all.dim, model.mesh.prototypes[*p as usize].order);
-        let material = |p: &u16| model.mesh.prototypes[*p as usize].material as i32;
+        let shape = |p: &u32| model.mesh.prototypes[*p as usize].shape;
+        let material = |p: &u32| model.mesh.prototypes[*p as usize].material as i32;
         Self {
             points: (0..all.nodes.owned as u32).map(|n| point(model, n)).collect(),
             shapes: model.mesh.cell_prototype.iter().map(shape).collect(),
@@ -274,26 +274,22 @@ impl InterfaceGrid {
         all.nodes.update_ghosts(&mut row, 1);
         let facets = facets(model, interface);
         let connectivity = facets.iter().flatten().map(|n| row[*n as usize] as i64).collect();
-        let body = model.sides[interface].secondary.body;
-        let shape = Shape::of(all.dim - 1, model.mesh.column.order(body));
+        let order = model.sides[interface].secondary_facts(&model.mesh.facts).order;
+        let shape = Shape::of(all.dim - 1, order);
         Self { nodes, facets, connectivity, shape }
     }
 }
 
 /// Local nodes of the secondary facets of this rank's cells.
 fn facets(model: &Model<'_>, interface: usize) -> Vec<Vec<u32>> {
-    let (column, side) = (&model.mesh.column, &model.sides[interface]);
+    let (mesh, lip) = (&model.mesh, model.sides[interface].secondary);
     let nodes = &model.stepper.problem.all.nodes;
-    let local = |name: u64| nodes.local(name).expect("a node of the rank's own cell");
-    model
-        .mesh
-        .cells
-        .iter()
-        .map(|cell| column.cell_place(*cell))
-        .filter(|place| side.cell_is_secondary(column, *place))
-        .map(|place| column.facet_nodes(side.secondary, [place.at[0], place.at[1]]))
-        .map(|names| names.into_iter().map(local).collect())
-        .collect()
+    let local = |node: u32| {
+        let name = mesh.nodes.names[node as usize];
+        nodes.local(name).expect("a node of the rank's own cell")
+    };
+    let facets = mesh.on_lip(interface, lip).iter().map(|facet| mesh.lip_nodes(lip, *facet).1);
+    facets.map(|nodes| nodes.into_iter().map(local).collect()).collect()
 }
 
 /// Tractions at nodes (Pa); where a component has no multiplier, the mean over its facets of the

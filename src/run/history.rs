@@ -23,7 +23,7 @@ pub fn row(
     row.extend(interface_statistics(case, model, comm));
     let force = |node: usize, c: usize| problem.balance[node * case.dim + c];
     let surfaces = case.supported_surfaces();
-    let mut sums = reactions(&model.mesh.column, &problem.all, &surfaces, force);
+    let mut sums = reactions(&problem.all, &surfaces, force);
     comm.sum(sums.as_flattened_mut());
     row.extend(sums.iter().flat_map(|sum| &sum[..case.dim]).map(|v| Some(*v)));
     // Three components, then the pressure and whether there is one.

@@ -20,7 +20,7 @@ use crate::cli::{Command, RunOptions};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::interface::unresolved_zones;
-use crate::mesh::{Column, LocalMesh};
+use crate::mesh::MeshFamily;
 use crate::output::directory::OutputDirectory;
 use crate::output::lock::Lock;
 use crate::partition::{self, Method};
@@ -70,7 +70,7 @@ fn study(request: &Request) -> u8 {
     }
 }
 
-/// A lattice of fewer cells per rank is not worth a level, and too few for an even partition.
+/// A mesh of fewer cells per rank is not worth a level, and too few for an even partition.
 const COARSEST_CELLS: u64 = 64;
 
 /// What the checkpoint and the end of a run may take of its wall-clock time (s).
@@ -150,7 +150,7 @@ pub fn run_case(runtime: &Runtime, timers: &Timers, options: &RunOptions) -> Res
     };
     screen::describe(comm, &case, &model, &reduction);
     if reduced.is_none() {
-        let unresolved = unresolved_zones(&case, &model.mesh.column, &model.sides);
+        let unresolved = unresolved_zones(&case, &model.mesh.facts, &model.sides);
         unresolved.iter().for_each(|words| tracing::warn!("warning: {words}"));
         model.stepper.remarks.extend(unresolved);
     }
@@ -177,33 +177,25 @@ fn build<'a>(
     goes_on: bool,
 ) -> Result<(Model<'a>, Reduction, Option<Reduced>)> {
     let comm = &runtime.comm;
-    let column = {
+    let mut family = {
         let _phase = timers.enter(Phase::Mesh);
-        comm.agree(Column::new(case))?
+        comm.agree(MeshFamily::new(case))?
     };
     fault::strike(comm, "mesh")?;
-    let mut choice = LinearChoice::new(case, &column);
-    let mut columns = vec![column.described(), column];
-    if choice.preset == MULTIGRID {
-        let levels = columns[1].hierarchy(COARSEST_CELLS * comm.size() as u64);
-        if levels.len() > 1 {
-            columns = levels;
-        } else {
-            choice = choice.without_levels();
-        }
+    let facts = family.facts();
+    let mut choice = LinearChoice::new(case, &facts);
+    let fewest = COARSEST_CELLS * comm.size() as u64;
+    if choice.preset == MULTIGRID && !family.coarsen(fewest) {
+        choice = choice.without_levels();
     }
-    resources::check(comm, case, &columns[columns.len() - 1], &choice, directory)?;
+    resources::check(comm, case, &facts, &choice, directory)?;
     let (cells, before) = {
         let _phase = timers.enter(Phase::Partition);
-        partition::distribute(comm, &columns[0], Method::from_environment())?
+        partition::distribute(comm, &family, Method::from_environment())?
     };
     let mut meshes = {
         let _phase = timers.enter(Phase::Mesh);
-        let mut meshes = vec![LocalMesh::new(&columns[0], cells, before)];
-        for column in &columns[1..] {
-            meshes.push(meshes[meshes.len() - 1].refined(column));
-        }
-        meshes
+        family.share(cells, before)
     };
     fault::strike(comm, "distribute")?;
     let phase = timers.enter(Phase::Assembly);

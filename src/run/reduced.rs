@@ -5,7 +5,6 @@ use std::time::Instant;
 use super::{history, probes};
 use crate::case::Case;
 use crate::error::{Error, Result};
-use crate::mesh::LocalMesh;
 use crate::reduce::{
     Candidate, Certificate, NONE_OF_USE, Prolongation, Reduction, Situation, Snapshot,
     are_straight, both_could_soften, candidates, narrowed, prove, refusal,
@@ -40,7 +39,7 @@ pub fn attempt(
     }
     let _phase = timers.enter(Phase::Solve);
     let mut why = NONE_OF_USE.to_owned();
-    for candidate in candidates(case, &asked.mesh.column) {
+    for candidate in candidates(case, &asked.mesh) {
         match serves(runtime, timers, case, asked, &candidate) {
             Ok(Ok((certificate, reduced))) => {
                 let (applied, why) = (true, candidate.left_out.to_owned());
@@ -68,16 +67,16 @@ fn serves(
     asked: &BoundaryValueProblem,
     candidate: &Candidate,
 ) -> Result<std::result::Result<(Certificate, Reduced), String>> {
-    let (comm, wide) = (&runtime.comm, &asked.mesh.column);
+    let comm = &runtime.comm;
     let started = Instant::now();
     let narrow = narrowed(case, &asked.sides);
     let solved = instants(&runtime.alone(), timers, &narrow, candidate);
     let (states, rows, unknowns) = comm.agree_alike(solved)?;
-    let prolongation = Prolongation::new(&candidate.column, wide);
+    let prolongation = candidate.prolongation();
     let mut reduced = Reduced { prolongation, states, rows, unknowns };
     let solution_seconds = started.elapsed().as_secs_f64();
     let started = Instant::now();
-    let bends = candidate.is_straight && !are_straight(&candidate.column, &reduced.states);
+    let bends = candidate.is_straight && !are_straight(candidate, &reduced.states);
     if comm.any(bends) {
         return Ok(Err("the displacements vary across the section".into()));
     }
@@ -112,10 +111,9 @@ fn instants(
     candidate: &Candidate,
 ) -> Result<Solved> {
     let comm = &alone.comm;
-    let cells: Vec<u64> = (0..candidate.column.cells()).collect();
-    let mesh = LocalMesh::new(&candidate.column, cells, candidate.column.cells());
+    let mesh = candidate.mesh();
+    let choice = LinearChoice::new(narrow, &mesh.facts);
     let small = BoundaryValueProblem::new(comm, narrow, mesh)?;
-    let choice = LinearChoice::new(narrow, &candidate.column);
     let mut model = solve::build(alone, timers, narrow, choice, small, Vec::new())?;
     let probes = probes::locate(narrow, &model.mesh);
     let (mut states, mut rows) = (Vec::new(), Vec::new());

@@ -10,6 +10,7 @@ use crate::case::{Case, Fields};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::fault;
+use crate::mesh::FarFacet;
 use crate::output::directory::OutputDirectory;
 use crate::output::finite::check_row;
 use crate::output::history::{History, Table};
@@ -373,13 +374,11 @@ fn linear_solver(runtime: &Runtime, model: &Model<'_>) -> Result<LinearSolver> {
 /// How cells and interface nodes are shared out. Collective.
 fn partition_of(comm: &Comm, model: &Model<'_>) -> Partition {
     let (mesh, all) = (&model.mesh, &model.stepper.problem.all);
-    let column = &mesh.column;
     let mut cut = 0;
-    for cell in &mesh.cells {
-        let place = column.cell_place(*cell);
-        for side in model.sides.iter().filter(|s| s.cell_is_secondary(column, place)) {
-            let facing = side.facing_cells(column, place);
-            let elsewhere = |c: &&u64| mesh.cells.binary_search(c).is_err();
+    for side in &model.sides {
+        for facet in mesh.on_lip(side.interface, side.secondary) {
+            let facing = mesh.across(side.interface, side.secondary, *facet);
+            let elsewhere = |far: &&FarFacet| mesh.cells.binary_search(&far.cell).is_err();
             cut += facing.iter().filter(elsewhere).count() as u64;
         }
     }

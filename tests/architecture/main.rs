@@ -21,6 +21,10 @@ const WALLS: [(&str, &[&str]); 5] = [
     ("assembly", &["bulk", "comm", "element", "error", "interface", "petsc", "simd", "space"]),
 ];
 
+/// What a lattice is made of, and the only rooms that know of it.
+const LATTICE: [&str; 5] = ["Column", "CellPlace", "NodePlace", "Facets", "lattice"];
+const LATTICE_ROOMS: [&str; 2] = ["mesh", "reduce"];
+
 /// Directories that exist on one machine only.
 const MACHINE: [&str; 6] = ["/home/", "/root/", "/Users/", "/work/", "/tmp/", "/mnt/"];
 
@@ -265,6 +269,16 @@ fn laws_and_elements_know_no_solver_and_assembly_no_mesh() {
         let found = inside.into_iter().flat_map(|s| uses_beyond(room, allowed, s)).collect();
         assert_none(found, "a wall of the house");
     }
+}
+
+#[test]
+fn lattices_end_at_the_local_mesh() {
+    let sources = sources_in("src").into_iter();
+    let outside = sources.filter(|s| !s.module().is_some_and(|m| LATTICE_ROOMS.contains(&m)));
+    let lines = outside.flat_map(|s| lines_with(&s, &LATTICE));
+    // Words of messages.
+    let found = lines.filter(|line| !line.contains('"'));
+    assert_none(found.collect(), "only mesh/ and reduce/ know a lattice");
 }
 
 #[test]

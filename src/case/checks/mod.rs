@@ -121,7 +121,7 @@ impl Checker<'_> {
         }
         let nothing = MeshSpec {
             size: vec![1.0; 2],
-            cells: Cells::Column([1; 3]),
+            cells: Cells::Uniform([1; 3]),
             orders: vec![1],
             formulation: section.formulation,
             refine: section.refine,
@@ -147,7 +147,7 @@ impl Checker<'_> {
             }
         }
         let cells = match (&column.cells, &column.bodies) {
-            (Some(cells), None) => Cells::Column(self.grid("mesh.column.cells", cells)),
+            (Some(cells), None) => Cells::Uniform(self.grid("mesh.column.cells", cells)),
             (None, Some(bodies)) => {
                 let grids = bodies.iter().enumerate().map(|(index, body)| {
                     self.grid(&format!("mesh.column.bodies.{index}.cells"), &body.cells)

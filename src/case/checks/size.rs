@@ -61,7 +61,7 @@ impl Checker<'_> {
         } else {
             return;
         };
-        let key = if matches!(mesh.cells, Cells::Column(_)) { "cells" } else { "bodies" };
+        let key = if matches!(mesh.cells, Cells::Uniform(_)) { "cells" } else { "bodies" };
         self.add(&format!("mesh.column.{key}"), format!("make too many {what}"));
     }
 
@@ -84,7 +84,7 @@ impl MeshSpec {
     /// The cells before refinement, in words.
     fn cell_words(&self) -> String {
         let grids = match &self.cells {
-            Cells::Column(cells) => std::slice::from_ref(cells),
+            Cells::Uniform(cells) => std::slice::from_ref(cells),
             Cells::Bodies(bodies) => bodies,
         };
         // A few bodies are listed, many are not.
@@ -105,7 +105,7 @@ impl MeshSpec {
             along?.checked_mul(factor)?.checked_mul(bodies as u128)
         };
         match &self.cells {
-            Cells::Column(cells) => of(cells, interfaces + 1),
+            Cells::Uniform(cells) => of(cells, interfaces + 1),
             Cells::Bodies(bodies) => {
                 bodies.iter().try_fold(0_u128, |sum, cells| sum.checked_add(of(cells, 1)?))
             }

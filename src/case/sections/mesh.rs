@@ -36,7 +36,7 @@ pub enum Formulation {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cells {
     /// One grid for the whole column; interfaces inside a layer of cells split it in two.
-    Column([usize; 3]),
+    Uniform([usize; 3]),
     /// One grid for each body between interfaces, bottom to top.
     Bodies(Vec<[usize; 3]>),
 }
@@ -88,7 +88,7 @@ impl MeshSpec {
             along(cells[0])?.checked_mul(depth)?.checked_mul(layers)
         };
         let total = match &self.cells {
-            Cells::Column(cells) => nodes((*cells, self.orders[0]), interfaces + 1),
+            Cells::Uniform(cells) => nodes((*cells, self.orders[0]), interfaces + 1),
             Cells::Bodies(bodies) => {
                 let mut bodies = bodies.iter().copied().zip(self.orders.iter().copied());
                 bodies.try_fold(0_u128, |sum, body| sum.checked_add(nodes(body, 1)?))
