@@ -32,7 +32,7 @@ const LONGEST_FILE: usize = 400;
 const WIDEST: usize = 100;
 
 /// Pages that are written by hand.
-const PROSE: [&str; 8] = [
+const PROSE: [&str; 9] = [
     "README.md",
     "ARCHITECTURE.md",
     "CONTRIBUTING.md",
@@ -41,6 +41,7 @@ const PROSE: [&str; 8] = [
     "docs/install.md",
     "docs/studies.md",
     "docs/theory.md",
+    "docs/tutorial.md",
 ];
 
 /// A text file: its path relative to the package, and its contents.
