@@ -46,6 +46,7 @@ const PROSE: [&str; 9] = [
     "docs/install.md",
     "docs/studies.md",
     "docs/theory.md",
+    "docs/tutorial.md",
 ];
 
 /// A text file: its path relative to the package, and its contents.
