@@ -84,7 +84,7 @@ impl Lips<'_> {
         };
         let column: &Column = &self.asked.mesh.column;
         let cells = column.extent(self.asked.sides[interface].secondary.body);
-        let share = softening(self.case, column, (name(interface), slope), cells)?;
+        let share = softening(self.case, column, name(interface), slope, cells)?;
         if share >= 1.0 {
             return Err(format!(
                 "{} may open unevenly: its softening takes {share:.2} of the stiffness of the column",

@@ -143,7 +143,7 @@ pub fn run_case(runtime: &Runtime, timers: &Timers, options: &RunOptions) -> Res
     let state = restart.map(|restart| restart.resume(comm, &case, &mut model)).transpose()?;
     let directory = match &state {
         Some(state) => {
-            let last = state.fields.last().map_or(0, |(step, _)| *step);
+            let last = state.fields.last().map_or(0, |instant| instant.step);
             OutputDirectory::resume(comm, directory, &resolved, last)?
         }
         None => OutputDirectory::open(comm, directory, &resolved, options.overwrite)?,

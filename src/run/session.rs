@@ -14,6 +14,7 @@ use crate::output::directory::OutputDirectory;
 use crate::output::finite::check_row;
 use crate::output::history::{History, Table};
 use crate::output::publisher::Publisher;
+use crate::output::series::Instant;
 use crate::reduce::Reduction;
 use crate::report::expectations::{Outcome, evaluate};
 use crate::report::{LeftOut, LinearSolver, Model as Modelled, Partition, Ran, Report, Status};
@@ -135,11 +136,11 @@ impl<'a> Session<'a> {
             self.comm.agree(pushed)?;
             fault::strike(self.comm, "history")?;
             if self.writes_fields(*time) {
-                let step = (number + 1, *time);
+                let instant = Instant { step: number + 1, time: *time };
                 if let Some(reduced) = &self.solution.reduced {
                     reduced.show(model, number);
                 }
-                self.fields.write(self.comm, &mut self.publisher, self.case, model, step)?;
+                self.fields.write(self.comm, &mut self.publisher, self.case, model, instant)?;
             }
             self.accepted = number + 1;
             if let Some(history) = &self.history {
@@ -213,7 +214,7 @@ impl<'a> Session<'a> {
             fields: &self.fields.written,
         };
         let (directory, publisher) = (self.directory.path(), &mut self.publisher);
-        self.keeper.write(self.comm, publisher, directory, (self.case, model), &progress)
+        self.keeper.write(self.comm, publisher, directory, self.case, model, &progress)
     }
 
     fn writes_fields(&self, time: f64) -> bool {
