@@ -21,6 +21,7 @@ pub use planes::CLOSEST_PLANES;
 use std::path::Path;
 
 pub(super) use checker::Checker;
+use control::Instants;
 
 use crate::case::sections::file::{CaseFile, MaterialSection};
 use crate::case::{
@@ -41,7 +42,7 @@ const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 const LONGEST_NAME: usize = 200;
 
 /// What is said of everything that the contract plans and the program cannot do yet.
-pub(in crate::case) const LATER: &str = "is not yet available";
+pub(super) const LATER: &str = "is not yet available";
 
 impl Checker<'_> {
     /// Checks everything and builds the case.
@@ -56,9 +57,9 @@ impl Checker<'_> {
         let boundary = self.boundary(&file);
         let body_force = self.body_force(&file);
         let imperfections = self.imperfections(&file, &interfaces);
-        let (time, start) = self.time(&file);
+        let instants = self.time(&file);
         self.solver(&file.solver);
-        let (control, time, start) = self.control(&file, &interfaces, (time, start));
+        let (control, Instants { times: time, start }) = self.control(&file, &interfaces, instants);
         self.films(&mesh, &materials, &interfaces);
         let (physics, flow, pressure_is_load) =
             self.physics(&file, &materials, &interfaces, &boundary);
@@ -276,7 +277,7 @@ impl Checker<'_> {
         }
     }
 
-    fn time(&mut self, file: &CaseFile) -> (Vec<f64>, f64) {
+    fn time(&mut self, file: &CaseFile) -> Instants {
         let time = &file.time;
         let mut before = (time.start, "start");
         for (index, instant) in time.instants.iter().enumerate() {
@@ -287,7 +288,7 @@ impl Checker<'_> {
             }
             before = (*instant, "instant before it");
         }
-        (time.instants.clone(), time.start)
+        Instants { start: time.start, times: time.instants.clone() }
     }
 
     fn solver(&mut self, solver: &SolverSpec) {

@@ -106,7 +106,7 @@ impl Case {
 }
 
 impl Checker<'_> {
-    pub(in crate::case) fn output(
+    pub(super) fn output(
         &mut self,
         file: &CaseFile,
         time: &[f64],
@@ -142,7 +142,7 @@ impl Checker<'_> {
         }
     }
 
-    pub(in crate::case) fn probes(
+    pub(super) fn probes(
         &mut self,
         file: &CaseFile,
         mesh: &MeshSpec,
@@ -180,7 +180,7 @@ impl Checker<'_> {
         probes
     }
 
-    pub(in crate::case) fn expectations(&mut self, case: &Case) -> Vec<Expectation> {
+    pub(super) fn expectations(&mut self, case: &Case) -> Vec<Expectation> {
         let known = case.quantities();
         let all: BTreeSet<&String> = known.iter().collect();
         let mut expectations = Vec::new();
