@@ -17,6 +17,7 @@ pub use flow::{FlowSpec, PhysicsDecision};
 pub use initial::Imperfection;
 pub use limits::Every;
 pub use planes::CLOSEST_PLANES;
+pub use results::InterfaceQuantity;
 
 use std::path::Path;
 
