@@ -1,6 +1,7 @@
 //! Rules of the source that the compiler does not check; they read text only.
 
 mod circles;
+mod length;
 
 use std::fs;
 use std::path::{Path, PathBuf};

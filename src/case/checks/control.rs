@@ -60,18 +60,8 @@ impl Control {
 }
 
 impl Checker<'_> {
-    /// The control, and the instants: with dissipation its values.
-    pub(super) fn control(
-        &mut self,
-        file: &CaseFile,
-        interfaces: &[InterfaceSpec],
-        instants: Instants,
-    ) -> (Option<Control>, Instants) {
-        let Some(section) = &file.control else { return (None, instants) };
-        let (of, path) = match section {
-            ControlSection::Opening(opening) => (&opening.of, "control.opening"),
-            ControlSection::Dissipation(dissipation) => (&dissipation.of, "control.dissipation"),
-        };
+    /// Refuses what cannot stand beside control.
+    fn beside_control(&mut self, file: &CaseFile, interfaces: &[InterfaceSpec]) {
         if file.solver.form == Form::SaddlePoint {
             self.add("control", "needs solver.form: condensed");
         }
@@ -84,6 +74,21 @@ impl Checker<'_> {
             let reason = "cannot stand beside control: the load factor does not scale it";
             self.add(&format!("interfaces.{fluid}.fluid"), reason);
         }
+    }
+
+    /// The control, and the instants: with dissipation its values.
+    pub(super) fn control(
+        &mut self,
+        file: &CaseFile,
+        interfaces: &[InterfaceSpec],
+        instants: Instants,
+    ) -> (Option<Control>, Instants) {
+        let Some(section) = &file.control else { return (None, instants) };
+        let (of, path) = match section {
+            ControlSection::Opening(opening) => (&opening.of, "control.opening"),
+            ControlSection::Dissipation(dissipation) => (&dissipation.of, "control.dissipation"),
+        };
+        self.beside_control(file, interfaces);
         let Some(interface) = interfaces.iter().position(|i| i.name == *of) else {
             let names: Vec<String> = interfaces.iter().map(|i| i.name.clone()).collect();
             let hint = suggestion(of, &names);

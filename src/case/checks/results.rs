@@ -30,8 +30,8 @@ impl Case {
         if self.dim == 3 { AXES.to_vec() } else { vec!["x", "z"] }
     }
 
-    /// What of an interface has a smallest, a largest and a mean value, in the order of the columns:
-    /// of traction and jump the normal component first, then those along x and y.
+    /// What of an interface has a smallest, a largest and a mean value, in the order of the
+    /// columns: of traction and jump the normal component first, then those along x and y.
     pub fn interface_quantities(&self, interface: &InterfaceSpec) -> Vec<InterfaceQuantity> {
         use InterfaceQuantity::{Damage, Jump, Pressure, Traction};
         let components = || std::iter::once(self.dim - 1).chain(0..self.dim - 1);
