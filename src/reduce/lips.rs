@@ -83,7 +83,7 @@ impl Lips<'_> {
         let column = self.prolongation.wide();
         let side = self.asked.sides[interface];
         let cells = column.extent(side.secondary_facts(&self.asked.mesh.facts).body);
-        let share = softening(self.case, column, (name(interface), slope), cells)?;
+        let share = softening(self.case, column, name(interface), slope, cells)?;
         if share >= 1.0 {
             return Err(format!(
                 "{} may open unevenly: its softening takes {share:.2} of the stiffness of the column",

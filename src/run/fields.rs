@@ -8,7 +8,7 @@ use crate::fault;
 use crate::mesh::axes;
 use crate::output::directory::OutputDirectory;
 use crate::output::publisher::Publisher;
-use crate::output::series::{Fixed, Series};
+use crate::output::series::{Fixed, Instant, Series};
 use crate::output::vtkhdf::{Array, Data, Grid, Values};
 use crate::solve::{Model, Problem};
 
@@ -20,13 +20,13 @@ pub struct FieldWriter {
     interfaces: Vec<Series>,
     /// The facets of each interface, once they are known.
     grids: Option<Vec<InterfaceGrid>>,
-    /// Steps and times so far.
-    pub written: Vec<(usize, f64)>,
+    /// The instants so far.
+    pub written: Vec<Instant>,
 }
 
 impl FieldWriter {
-    /// Series that go on from the steps and times that an earlier run has written.
-    pub fn new(case: &Case, directory: &OutputDirectory, written: Vec<(usize, f64)>) -> Self {
+    /// Series that go on from the instants that an earlier run has written.
+    pub fn new(case: &Case, directory: &OutputDirectory, written: Vec<Instant>) -> Self {
         let series = |name: &str| Series::resume(directory.fields(), name, &written);
         Self {
             mesh: None,
@@ -37,7 +37,7 @@ impl FieldWriter {
         }
     }
 
-    /// Writes the state that `model` has reached, as step `step` at `time`. Collective.
+    /// Writes the state that `model` has reached as that of an instant. Collective.
     ///
     /// # Errors
     /// `System` when a file cannot be written.
@@ -47,10 +47,10 @@ impl FieldWriter {
         publisher: &mut Publisher,
         case: &Case,
         model: &Model<'_>,
-        (step, time): (usize, f64),
+        instant: Instant,
     ) -> Result<()> {
-        self.written.push((step, time));
-        self.write_bulk(comm, publisher, case, model, (step, time))?;
+        self.written.push(instant);
+        self.write_bulk(comm, publisher, case, model, instant)?;
         let problem = &model.stepper.problem;
         let grids = self.grids.get_or_insert_with(|| {
             (0..case.interfaces.len()).map(|i| InterfaceGrid::new(comm, model, i)).collect()
@@ -96,7 +96,7 @@ impl FieldWriter {
                 [Array { name: "global_node_id", components: 1, values: Values::I64(&names) }];
             let fixed = Fixed { grid: &grid, data: Data { points: &known, cells: &[] } };
             let data = Data { points: &data, cells: &[] };
-            series.write(comm, publisher, (step, time), fixed, data)?;
+            series.write(comm, publisher, instant, fixed, data)?;
         }
         Ok(())
     }
@@ -107,7 +107,7 @@ impl FieldWriter {
         publisher: &mut Publisher,
         case: &Case,
         model: &Model<'_>,
-        (step, time): (usize, f64),
+        instant: Instant,
     ) -> Result<()> {
         let problem = &model.stepper.problem;
         let (all, dim) = (&problem.all, case.dim);
@@ -154,7 +154,7 @@ impl FieldWriter {
         }
         let data = Data { points: &points, cells: &cells };
         let fixed = Fixed { grid: &grid, data: known };
-        self.bulk.write(comm, publisher, (step, time), fixed, data)
+        self.bulk.write(comm, publisher, instant, fixed, data)
     }
 }
 

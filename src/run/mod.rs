@@ -10,6 +10,8 @@ mod reduced;
 mod resources;
 mod screen;
 mod session;
+mod solution;
+mod summary;
 
 use std::cell::RefCell;
 use std::path::Path;
@@ -19,20 +21,19 @@ use crate::case::{Case, read_text};
 use crate::cli::{Command, RunOptions};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
-use crate::interface::unresolved_zones;
 use crate::mesh::MeshFamily;
 use crate::output::directory::OutputDirectory;
 use crate::output::lock::Lock;
 use crate::partition::{self, Method};
-use crate::reduce::{Reduction, Situation};
+use crate::reduce::Situation;
 use crate::runtime::Runtime;
 use crate::solve::{self, BoundaryValueProblem, LinearChoice, MULTIGRID, Model};
 use crate::study::{self, Request};
 use crate::timers::{Phase, Timers};
 use crate::{fault, signals};
 use checkpoint::Restart;
-use reduced::{Reduced, attempt};
-use session::{Session, Solution};
+use session::Session;
+use solution::Solution;
 
 pub use check::describe;
 pub use screen::print_exit;
@@ -138,23 +139,19 @@ pub fn run_case(runtime: &Runtime, timers: &Timers, options: &RunOptions) -> Res
         }
     };
 
-    let (mut model, reduction, reduced) =
-        build(runtime, timers, &case, directory, restart.is_some())?;
+    let (mut model, solution) = build(runtime, timers, &case, directory, restart.is_some())?;
     let state = restart.map(|restart| restart.resume(comm, &case, &mut model)).transpose()?;
     let directory = match &state {
         Some(state) => {
-            let last = state.fields.last().map_or(0, |(step, _)| *step);
+            let last = state.fields.last().map_or(0, |instant| instant.step);
             OutputDirectory::resume(comm, directory, &resolved, last)?
         }
         None => OutputDirectory::open(comm, directory, &resolved, options.overwrite)?,
     };
-    screen::describe(comm, &case, &model, &reduction);
-    if reduced.is_none() {
-        let unresolved = unresolved_zones(&case, &model.mesh.facts, &model.sides);
-        unresolved.iter().for_each(|words| tracing::warn!("warning: {words}"));
-        model.stepper.remarks.extend(unresolved);
-    }
-    let solution = Solution { reduction, reduced };
+    screen::describe(comm, &case, &model, solution.reduction());
+    let unresolved = solution.unresolved_zones(&case, &model);
+    unresolved.iter().for_each(|words| tracing::warn!("warning: {words}"));
+    model.stepper.remarks.extend(unresolved);
     let mut session = Session::new(comm, timers, &case, directory, state, solution);
     let solved = session.solve(&mut model);
     session.close(runtime, &model, solved, options.report)
@@ -167,15 +164,14 @@ fn read_case(comm: &Comm, path: &Path, overrides: &[String]) -> Result<Case> {
     comm.agree(Case::read(&String::from_utf8_lossy(&text), path, overrides))
 }
 
-/// The model that was asked for, and the smaller one that takes its place if there is one.
-/// Collective.
+/// The model that was asked for, and where its states come from. Collective.
 fn build<'a>(
     runtime: &'a Runtime,
     timers: &'a Timers,
     case: &'a Case,
     directory: &Path,
     goes_on: bool,
-) -> Result<(Model<'a>, Reduction, Option<Reduced>)> {
+) -> Result<(Model<'a>, Solution)> {
     let comm = &runtime.comm;
     let mut family = {
         let _phase = timers.enter(Phase::Mesh);
@@ -205,11 +201,9 @@ fn build<'a>(
     let has_options = runtime.petsc.has_options();
     let unknowns = problem.all.nodes.total * case.dim as u64;
     let situation = Situation { unknowns, goes_on, has_options };
-    let (reduction, reduced) = attempt(runtime, timers, case, &problem, situation)?;
+    let solution = Solution::choose(runtime, timers, case, &problem, situation)?;
     let _phase = timers.enter(Phase::Assembly);
-    if let Some(reduced) = &reduced {
-        choice = LinearChoice::none(reduced.why_no_solver());
-    }
+    let choice = solution.linear_choice(choice);
     let model = solve::build(runtime, timers, case, choice, problem, meshes)?;
-    Ok((model, reduction, reduced))
+    Ok((model, solution))
 }

@@ -6,12 +6,12 @@ use super::{history, probes};
 use crate::case::Case;
 use crate::error::{Error, Result};
 use crate::reduce::{
-    Candidate, Certificate, NONE_OF_USE, Prolongation, Reduction, Situation, Snapshot,
-    are_straight, both_could_soften, candidates, narrowed, prove, refusal,
+    Candidate, Certificate, Prolongation, Snapshot, are_straight, both_could_soften, narrowed,
+    prove,
 };
 use crate::runtime::Runtime;
 use crate::solve::{self, Accepted, BoundaryValueProblem, LinearChoice, Model};
-use crate::timers::{Phase, Timers};
+use crate::timers::Timers;
 
 /// The solution of a smaller model that serves in the place of the one asked for.
 pub struct Reduced {
@@ -22,45 +22,13 @@ pub struct Reduced {
     unknowns: u64,
 }
 
-/// Solves a smaller model and proves that it serves; else tells why the model asked for is needed.
-/// Collective.
-///
-/// # Errors
-/// `Stopped` on a signal, `System` when PETSc fails.
-pub fn attempt(
-    runtime: &Runtime,
-    timers: &Timers,
-    case: &Case,
-    asked: &BoundaryValueProblem,
-    situation: Situation,
-) -> Result<(Reduction, Option<Reduced>)> {
-    if let Some(why) = refusal(case, situation) {
-        return Ok((Reduction::none(why), None));
-    }
-    let _phase = timers.enter(Phase::Solve);
-    let mut why = NONE_OF_USE.to_owned();
-    for candidate in candidates(case, &asked.mesh) {
-        match serves(runtime, timers, case, asked, &candidate) {
-            Ok(Ok((certificate, reduced))) => {
-                let (applied, why) = (true, candidate.left_out.to_owned());
-                let reduction = Reduction { applied, why, certificate: Some(certificate) };
-                return Ok((reduction, Some(reduced)));
-            }
-            Ok(Err(reason)) => why = reason,
-            // No other model would do better.
-            Err(Error::Numerics(reason)) => return Ok((Reduction::none(reason), None)),
-            Err(error) => return Err(error),
-        }
-    }
-    Ok((Reduction::none(why), None))
-}
-
 /// Solves a smaller model and proves that it serves; the inner error is why it is too small, in
 /// words. Every rank solves it by itself, which costs less than to share it. Collective.
 ///
 /// # Errors
-/// `Numerics` when there is no such model, smaller or larger; else as [`attempt`].
-fn serves(
+/// `Numerics` when there is no such model, smaller or larger; `Stopped` on a signal, `System` when
+/// PETSc fails.
+pub fn serves(
     runtime: &Runtime,
     timers: &Timers,
     case: &Case,

@@ -36,9 +36,10 @@ pub fn check(
         *nodes.entry(name).or_default() += 1;
     }
     let here = nodes.get(mine.as_bytes()).copied().unwrap_or(1);
+    let shares = Ranks { all: ranks, here };
     let local = match available() {
         Some(bytes) if need * here as f64 > USABLE * bytes => {
-            Err(Error::Input(too_large(case, mesh, choice, (ranks, here), bytes)))
+            Err(Error::Input(too_large(case, mesh, choice, shares, bytes)))
         }
         _ => Ok(()),
     };
@@ -57,14 +58,23 @@ pub fn check(
     })
 }
 
+/// How many ranks there are.
+#[derive(Clone, Copy)]
+struct Ranks {
+    all: usize,
+    /// On this node.
+    here: usize,
+}
+
 /// What is wrong and what would fit, in words.
 fn too_large(
     case: &Case,
     mesh: &MeshFacts,
     choice: &LinearChoice,
-    (ranks, here): (usize, usize),
+    ranks: Ranks,
     available: f64,
 ) -> String {
+    let Ranks { all: ranks, here } = ranks;
     let preset = choice.preset;
     let need = memory(preset, case, mesh, ranks) * here as f64 / ranks as f64;
     let mut text = format!(

@@ -13,7 +13,7 @@ const MOST_VALUES: usize = 4_000_000;
 
 impl Checker<'_> {
     /// Refuses a mesh that cannot be numbered, before memory is asked for.
-    pub(in crate::case) fn cells(
+    pub(super) fn cells(
         &mut self,
         file: &CaseFile,
         mesh: &MeshSpec,
@@ -66,7 +66,7 @@ impl Checker<'_> {
     }
 
     /// Refuses a history that is too long.
-    pub(in crate::case) fn history(&mut self, case: &Case) {
+    pub(super) fn history(&mut self, case: &Case) {
         let (instants, columns) = (case.time.len(), case.columns().len());
         if instants * columns > MOST_VALUES {
             let path =

@@ -31,7 +31,7 @@ impl Case {
 }
 
 /// Whether each interface, undamaged, joins its bodies.
-pub(in crate::case) fn holds(interfaces: &[InterfaceSpec]) -> Vec<bool> {
+pub(super) fn holds(interfaces: &[InterfaceSpec]) -> Vec<bool> {
     interfaces.iter().map(|i| i.law.law().holds_sliding(0.0)).collect()
 }
 
@@ -40,7 +40,7 @@ pub(in crate::case) fn holds(interfaces: &[InterfaceSpec]) -> Vec<bool> {
 /// Bodies joined by an interface that `holds` move together. A motion is free when no prescribed
 /// component of the group sees it, which is the null space of the constraint rows taken at the
 /// corners of the surfaces that the group touches.
-pub(in crate::case) fn free_motions(
+pub(super) fn free_motions(
     mesh: &MeshSpec,
     interfaces: &[InterfaceSpec],
     boundary: &[BoundarySpec],

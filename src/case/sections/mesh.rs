@@ -73,11 +73,7 @@ impl MeshSpec {
 impl MeshSpec {
     /// An upper bound of the number of displacement unknowns, with `interfaces` interfaces and
     /// layers of cells split at `cuts` heights; `None` where it exceeds every number.
-    pub(in crate::case) fn displacement_unknowns(
-        &self,
-        interfaces: usize,
-        cuts: usize,
-    ) -> Option<u128> {
+    pub(crate) fn displacement_unknowns(&self, interfaces: usize, cuts: usize) -> Option<u128> {
         let dim = self.size.len();
         let factor = 1_u128.checked_shl(self.refine)?;
         let nodes = |(cells, order): ([usize; 3], usize), bodies: usize| -> Option<u128> {

@@ -1,12 +1,12 @@
 //! The sections of a case: as they are written, and the types that come of them.
 
 mod boundary;
-pub(in crate::case) mod file;
+pub(super) mod file;
 mod interface;
 mod material;
 mod mesh;
 mod output;
-pub(in crate::case) mod quantity;
+pub(super) mod quantity;
 mod solver;
 
 pub use boundary::{BoundarySpec, Surface};

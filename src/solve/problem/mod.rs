@@ -17,8 +17,8 @@ mod unsymmetric;
 
 pub use energy::Energy;
 pub use known_pressure::KnownPressure;
-pub use reactions::reactions;
 pub(super) use predictor::{Onset, Prediction};
+pub use reactions::reactions;
 
 use std::rc::Rc;
 
