@@ -88,10 +88,7 @@ impl Films {
             let rows = &all.secondary[node.secondary as usize];
             let Some(row) = &rows.rows[dim - 1] else { continue };
             let push = row.weight * (Self::at(node, p) - reference);
-            force[rows.node as usize * dim + dim - 1] += row.own * push;
-            for (other, a) in &row.others {
-                force[*other as usize * dim + dim - 1] += a * push;
-            }
+            row.spread(rows.node, push, |node, f| force[node as usize * dim + dim - 1] += f);
         }
     }
 

@@ -274,9 +274,9 @@ pub(super) fn transform_diagonal(all: &Discretization, state: &[NodeState], diag
         for c in (0..dim).filter(|c| !state.stuck[*c]) {
             let Some(row) = &rows.rows[c] else { continue };
             let stiffness = row.weight * state.tangent[c][c];
-            diagonal[rows.node as usize * dim + c] += row.own * row.own * stiffness;
-            for (node, a) in row.others.iter().filter(|_| !state.jump[c]) {
-                diagonal[*node as usize * dim + c] += a * a * stiffness;
+            let moves = |node: u32| node == rows.node || !state.jump[c];
+            for (node, a) in row.coefficients(rows.node).filter(|(node, _)| moves(*node)) {
+                diagonal[node as usize * dim + c] += a * a * stiffness;
             }
         }
     }

@@ -149,9 +149,9 @@ fn eigenvalues(
             for jump in sum(terms, &sides, &nodes, &mesh.nodes) {
                 for (c, row) in jump.rows.iter().enumerate() {
                     let Some(row) = row else { continue };
-                    let own = (jump.node, row.own * row.weight);
-                    let others = row.others.iter().map(|(n, a)| (*n, a * row.weight));
-                    rows.push((others.chain([own]).collect(), c, row.weight));
+                    let coefficients = row.coefficients(jump.node);
+                    let weighted = coefficients.map(|(node, a)| (node, a * row.weight));
+                    rows.push((weighted.collect(), c, row.weight));
                 }
             }
         }

@@ -199,10 +199,8 @@ impl InterfaceState {
             let (mut traction, mut jump) = ([0.0; 3], [0.0; 3]);
             for c in 0..dim {
                 if let Some(row) = &rows.rows[c] {
-                    let at = |node: u32| u[node as usize * dim + c];
                     traction[c] = given(index, c, row);
-                    jump[c] = row.own * at(rows.node)
-                        + row.others.iter().map(|(n, a)| a * at(*n)).sum::<f64>();
+                    jump[c] = row.trace(rows.node, |node| u[node as usize * dim + c]);
                 }
             }
             let (damping, from) = match &self.damping {

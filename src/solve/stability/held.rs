@@ -112,8 +112,9 @@ pub fn free_motions(
         for c in 0..dim {
             let Some(jump) = &rows.rows[c] else { continue };
             let mut row = vec![0.0; size];
-            at(rows.node as usize, &mut row, c, jump.own);
-            jump.others.iter().for_each(|(node, a)| at(*node as usize, &mut row, c, *a));
+            for (node, a) in jump.coefficients(rows.node) {
+                at(node as usize, &mut row, c, a);
+            }
             see(&row, holds(rows.interface, response, c));
         }
     }
