@@ -138,8 +138,7 @@ fn eigenvalues(
             let kept = multipliers == Multipliers::DualOnPrescribed;
             let without = if kept { &free } else { &prescribed };
             let fixed = |node: u64| without.components_of(node);
-            let terms =
-                integrate(&mesh, &sides, (dim, &fixed)).expect("sides that cover each other");
+            let terms = integrate(&mesh, &sides, dim, &fixed).expect("sides that cover each other");
             let nodes: Vec<(u64, usize)> = mesh
                 .nodes
                 .iter()

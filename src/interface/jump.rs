@@ -151,10 +151,11 @@ pub fn jump_rows(
     comm: &Comm,
     mesh: &LocalMesh,
     sides: &[Sides],
-    (components, fixed): (usize, &dyn Fn(u64) -> [bool; 3]),
+    components: usize,
+    fixed: &dyn Fn(u64) -> [bool; 3],
     directory: &Directory<'_>,
 ) -> Result<Vec<JumpRows<u64>>> {
-    let terms = comm.agree(integrate(mesh, sides, (components, fixed)))?;
+    let terms = comm.agree(integrate(mesh, sides, components, fixed))?;
     let nodes: Vec<(u64, usize)> = mesh
         .nodes
         .iter()
@@ -173,7 +174,8 @@ pub fn jump_rows(
 pub(super) fn integrate(
     mesh: &LocalMesh,
     sides: &[Sides],
-    (components, fixed): (usize, &dyn Fn(u64) -> [bool; 3]),
+    components: usize,
+    fixed: &dyn Fn(u64) -> [bool; 3],
 ) -> Result<Vec<Term>> {
     let column = &mesh.column;
     let mut terms = Vec::new();

@@ -31,7 +31,7 @@ pub(in crate::solve) fn tie_rows(
         return Ok(Vec::new());
     }
     let fixed = |node: u64| [pressures.prescribed.entry_of(node).is_some(), false, false];
-    jump_rows(comm, pressures.corners, &sides, (1, &fixed), directory)
+    jump_rows(comm, pressures.corners, &sides, 1, &fixed, directory)
 }
 
 /// Pressure nodes that this rank needs beside those of its cells: what `rows` extend over, and the

@@ -63,7 +63,7 @@ pub(in crate::solve) fn discretize(
     let prescribed = Prescribed::new(case, &mesh.column);
     let directory = Directory::new(comm, mesh.column.nodes(), &mesh.nodes);
     let fixed = |node: u64| prescribed.components_of(node);
-    let rows = jump_rows(comm, mesh, sides, (case.dim, &fixed), &directory)?;
+    let rows = jump_rows(comm, mesh, sides, case.dim, &fixed, &directory)?;
     let mut needed = mesh.nodes.clone();
     needed.extend(
         rows.iter()
