@@ -256,7 +256,7 @@ impl Stepper<'_> {
             }
         }
         let balance = FluidBalance { inflow, outflow, stored };
-        flow.resume(problem, &pressures, (balance, scale));
+        flow.resume(problem, &pressures, balance, scale);
         for (x, p) in self.x.write()?[displacements..].iter_mut().zip(&pressures) {
             *x = p / flow.scale;
         }

@@ -10,7 +10,7 @@ use super::coupled_factors::CoupledFactors;
 use super::films::{films, further_nodes, tie_rows, ties};
 use super::pace::Pace;
 use super::pressures::Pressures;
-use super::{Flow, Source};
+use super::{Flow, FlowParts, Source};
 use crate::assembly::{CoupledMatrix, Discretization, PoreCell, PoreSpace, TangentOperator};
 use crate::bulk::{FlowStep, Loads, MAX_CORNERS, PorousCell, PorousMedium};
 use crate::case::{Case, FlowSpec};
@@ -103,7 +103,7 @@ pub fn couple(
     AtNode::agree(comm, prescribed.check(owned, &case.load_times()))?;
     let [inflow, injection] = [Loads::inflow(case, &corners), Loads::injection(case, &corners)];
     comm.agree([&inflow, &injection].iter().try_for_each(|of| of.check(&case.load_times())))?;
-    let sources = [inflow, injection].map(|rate| Source::new(rate, space.nodes.len()));
+    let [inflow, injection] = [inflow, injection].map(|rate| Source::new(rate, space.nodes.len()));
     let mut initial = AtNode::agree(comm, initial(case, flow, &corners, &space))?;
     space.follow(&mut initial);
 
@@ -132,8 +132,8 @@ pub fn couple(
             CoupledSolve::Split(RefCell::new(Block::new(petsc, solver)?))
         }
     };
-    let solvers = (mechanics, solve);
-    let blocks = Blocks::new(comm, petsc, solvers, tangent, Rc::clone(&space), scale[0])?;
+    let pores = Rc::clone(&space);
+    let blocks = Blocks::new(comm, petsc, mechanics, solve, tangent, pores, scale[0])?;
     let (blocks, rows) = (Rc::new(blocks), all.nodes.owned * dim + space.nodes.owned);
     let (operator, preconditioner) = operators(&blocks);
     let matrix = Matrix::shell(petsc, rows, rows, 1, operator)?;
@@ -155,17 +155,19 @@ pub fn couple(
     let density = case.materials.iter().find_map(|m| Some(m.porous.as_ref()?.fluid_density));
     let mut gravity = [0.0; 3];
     axes(dim).iter().enumerate().for_each(|(c, axis)| gravity[c] = case.gravity[*axis]);
-    let flow = Flow::new(
+    let flow = Flow::new(FlowParts {
         space,
         prescribed,
-        sources,
-        density.unwrap_or(1.0),
-        FlowStep { length: 0.0, theta: flow.theta, gravity, lumped: flow.lumped },
-        scale[0],
-        (pace, [bounds[0], bounds[1]]),
-        case.interfaces.len(),
+        inflow,
+        injection,
+        density: density.unwrap_or(1.0),
+        scale: scale[0],
+        step: FlowStep { length: 0.0, theta: flow.theta, gravity, lumped: flow.lumped },
+        pace,
+        bounds: [bounds[0], bounds[1]],
+        interfaces: case.interfaces.len(),
         initial,
-    );
+    });
     Ok(Coupled { snes, coupling: Coupling::new(flow, blocks), rows })
 }
 
