@@ -10,7 +10,7 @@ use super::model::{BoundaryValueProblem, discretize, strength_factors};
 use super::problem::convergence::Convergence;
 use super::problem::path::PathControl;
 use super::problem::saddle::SaddlePoint;
-use super::problem::{Problem, TangentForm};
+use super::problem::{Problem, ProblemParts, TangentForm};
 use super::stepping::Stepper;
 use crate::assembly::{Discretization, Pattern, SaddleTangent, Tangent, TangentOperator};
 use crate::case::{Case, Control, Form};
@@ -103,13 +103,22 @@ pub fn build<'a>(
         unknowns.iter_mut().zip(&flow.pressure).for_each(|(x, p)| *x = p / flow.scale);
         flow.begin(comm, &all, &vec![0.0; all.nodes.len() * dim]);
     }
-    let form = (form, diagonal);
-    let mut problem = Problem::new(comm, timers, all, loads, interfaces, form, convergence, target);
+    let mut problem = Problem::new(ProblemParts {
+        comm,
+        timers,
+        all,
+        loads,
+        interfaces,
+        form,
+        diagonal,
+        convergence,
+        linear: target,
+    });
     let path =
         |control: &Control| PathControl::new(control.clone(), control.words(&case.interfaces));
     problem.known_pressure = known_pressure;
     problem.path = case.control.as_ref().map(path);
-    let stepper = Stepper::new(case, problem, snes, (saddle, coupling), x, prescribed);
+    let stepper = Stepper::new(case, problem, snes, saddle, coupling, x, prescribed);
     let pressures = stepper.coupling.as_ref().map_or(0, |c| c.flow.space.nodes.total);
     Ok(Model { stepper, mesh, sides, choice, unknowns: unknowns + pressures })
 }

@@ -12,6 +12,7 @@ mod newton;
 pub(in crate::solve) mod path;
 mod predictor;
 mod reactions;
+mod residual;
 pub(in crate::solve) mod saddle;
 mod unsymmetric;
 
@@ -23,7 +24,7 @@ pub(super) use predictor::{Onset, Prediction};
 
 use std::rc::Rc;
 
-use crate::assembly::{CellSet, Discretization, NodeState, Tangent};
+use crate::assembly::{Discretization, NodeState, Tangent};
 use crate::bulk::Loads;
 use crate::comm::Comm;
 use crate::error::Result;
@@ -34,8 +35,8 @@ use crate::solve::guess::energy_projection::EnergyProjection;
 use crate::solve::guess::rigid::RigidMotions;
 use crate::solve::model::interfaces::InterfaceState;
 use crate::solve::model::linear::LinearTarget;
-use crate::timers::{Phase, Timers};
-use convergence::{Convergence, Scales, Worst};
+use crate::timers::Timers;
+use convergence::{Convergence, Worst};
 use path::PathControl;
 
 /// How the tangent of the condensed form is held.
@@ -116,19 +117,42 @@ pub struct Problem<'a> {
     pub pulse: Pulse,
 }
 
+/// What a [`Problem`] is made of, every part by a stage of its own; as there.
+pub struct ProblemParts<'a> {
+    /// The communicator of all collective calls.
+    pub comm: &'a Comm,
+    /// Of the phases of a run.
+    pub timers: &'a Timers,
+    /// Cells, nodes, rows.
+    pub all: Rc<Discretization>,
+    /// Loads on the bulk.
+    pub loads: Loads,
+    /// Laws and history.
+    pub interfaces: InterfaceState,
+    /// How the tangent is formed.
+    pub form: TangentForm,
+    /// Entry of identity rows (N/m).
+    pub diagonal: f64,
+    /// When a state is a solution.
+    pub convergence: Convergence,
+    /// How far linear systems are solved.
+    pub linear: LinearTarget,
+}
+
 impl<'a> Problem<'a> {
     /// A problem at rest.
-    #[allow(clippy::too_many_arguments)] // every part is built by a stage of its own
-    pub fn new(
-        comm: &'a Comm,
-        timers: &'a Timers,
-        all: Rc<Discretization>,
-        loads: Loads,
-        interfaces: InterfaceState,
-        (form, diagonal): (TangentForm, f64),
-        convergence: Convergence,
-        linear: LinearTarget,
-    ) -> Self {
+    pub fn new(parts: ProblemParts<'a>) -> Self {
+        let ProblemParts {
+            comm,
+            timers,
+            all,
+            loads,
+            interfaces,
+            form,
+            diagonal,
+            convergence,
+            linear,
+        } = parts;
         let size = all.nodes.len() * all.dim;
         let rigid = RigidMotions::new(convergence.column());
         let mut of_all = vec![0.0; size];
@@ -211,46 +235,6 @@ impl<'a> Problem<'a> {
         if let Some(path) = &self.path {
             self.load.iter_mut().zip(&path.unit_load).for_each(|(l, unit)| *l = path.factor * unit);
         }
-    }
-
-    /// Forces of the bulk at `x`, and the magnitudes of nodal forces and loads if they are wanted.
-    /// Collective.
-    pub(super) fn evaluate_bulk(&mut self, x: &[f64], with_scales: bool) {
-        let (nodes, dim) = (&self.all.nodes, self.all.dim);
-        self.displacement[..x.len()].copy_from_slice(x);
-        nodes.update_ghosts(&mut self.displacement, dim);
-        self.bulk_force.iter_mut().zip(&self.load).for_each(|(f, l)| *f = -l);
-        self.bulk_force.iter_mut().zip(&self.pore_force).for_each(|(f, p)| *f -= p);
-        let (u, force) = (&self.displacement, &mut self.bulk_force);
-        if !with_scales {
-            self.all.cells.add_forces(CellSet::All, u, force, None);
-            nodes.add_to_owners(force, dim);
-            return;
-        }
-        let mut magnitude = vec![0.0; nodes.len()];
-        self.all.cells.add_forces(CellSet::All, u, force, Some(&mut magnitude));
-        nodes.add_to_owners(force, dim);
-        nodes.add_to_owners(&mut magnitude, 1);
-        // Loads count too: they may leave the bulk without any force of its own.
-        let load = self.applied();
-        for (magnitude, load) in magnitude.iter_mut().zip(load.chunks_exact(dim)) {
-            let length = load.iter().map(|l| l * l).sum::<f64>().sqrt();
-            *magnitude = magnitude.max(length);
-        }
-        let u = self.displacement[..x.len()].chunks_exact(dim);
-        let mut scales = Scales::default();
-        for ((u, force), stiffness) in u.zip(&magnitude).zip(&self.stiffness) {
-            scales.see(*force, u, *stiffness);
-        }
-        self.convergence.see_scales(self.comm, scales);
-    }
-
-    /// Loads and forces of the pore pressure at owned nodes (N). Collective.
-    pub(super) fn applied(&self) -> Vec<f64> {
-        let mut applied = self.load.clone();
-        applied.iter_mut().zip(&self.pore_force).for_each(|(l, p)| *l += p);
-        self.all.nodes.add_to_owners(&mut applied, self.all.dim);
-        applied
     }
 
     /// States with which the tangent was assembled, for all local secondary nodes. Local.
@@ -336,62 +320,6 @@ impl<'a> Problem<'a> {
         for (state, spare) in state.into_iter().zip(&mut self.spare) {
             spare.resize(state.len(), 0.0);
             std::mem::swap(state, spare);
-        }
-    }
-
-    /// The residual at `x`, and the scales of the state if they are wanted. Collective.
-    fn evaluate(&mut self, x: &[f64], f: &mut [f64], with_scales: bool) {
-        let _phase = self.timers.enter(Phase::Assembly);
-        self.evaluate_bulk(x, with_scales);
-        let (all, dim) = (&self.all, self.all.dim);
-        // In equilibrium with the bulk at every iterate.
-        self.interfaces.evaluate(all, &self.displacement, |index, c, row| {
-            let own = all.secondary[index].node as usize * dim + c;
-            -self.bulk_force[own] / (row.weight * row.own)
-        });
-        self.balance_with_laws(f);
-    }
-
-    /// The residual of the condensed form, from the forces of the bulk and the answers of the laws.
-    /// Collective.
-    fn balance_with_laws(&mut self, f: &mut [f64]) {
-        if let TangentForm::Levels(hierarchy) = &self.form {
-            let state = self.interfaces.response.iter_mut().map(|r| &mut r.state);
-            hierarchy.finest().choose_unknowns(state);
-        }
-        let dim = self.all.dim;
-        let (known, known_force) = condensed::known_jumps(&self.all, &self.interfaces);
-        self.known_jumps = known;
-        let (all, response) = (&self.all, &self.interfaces.response);
-        self.balance.fill(0.0);
-        let traction = |index: usize, c: usize| {
-            let (rows, response) = (&all.secondary[index], &response[index]);
-            match &rows.rows[c] {
-                Some(row) if response.state.stuck[c] => {
-                    let own = rows.node as usize * dim + c;
-                    response.law_traction[c] + known_force[own] / (row.weight * row.own)
-                }
-                _ => response.law_traction[c],
-            }
-        };
-        all.add_tractions(traction, &mut self.balance);
-        for (i, value) in f.iter_mut().enumerate() {
-            self.balance[i] += self.bulk_force[i];
-            *value = self.balance[i] - known_force[i];
-        }
-        condensed::fold(self.comm, &self.all, &self.interfaces, f);
-        let (all, dim) = (&self.all, self.all.dim);
-        // Identity rows: nothing to do where prescribed, the known jump where stuck.
-        for node in 0..all.nodes.owned {
-            for c in (0..dim).filter(|c| all.prescribed[node][*c]) {
-                f[node * dim + c] = 0.0;
-            }
-        }
-        for (rows, response) in all.secondary.iter().zip(&self.interfaces.response) {
-            for c in (0..dim).filter(|c| rows.rows[*c].is_some() && response.state.stuck[*c]) {
-                let own = rows.node as usize * dim + c;
-                f[own] = self.diagonal * self.known_jumps[own];
-            }
         }
     }
 }

@@ -104,7 +104,8 @@ impl<'a> Stepper<'a> {
         case: &'a Case,
         problem: Problem<'a>,
         snes: Snes,
-        (saddle, coupling): (Option<SaddlePoint>, Option<Coupling>),
+        saddle: Option<SaddlePoint>,
+        coupling: Option<Coupling>,
         x: Vector,
         prescribed: Prescribed,
     ) -> Self {
