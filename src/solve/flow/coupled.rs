@@ -159,7 +159,7 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         } else if blocks.is_coupled() && blocks.is_split() {
             projection.keep(correction);
         }
-        let mut part = problem.convergence.part_of_step;
+        let mut part = problem.convergence.part_of_step();
         if let Some(fluid) = &blocks.pores.films.fluid {
             let pressures = correction[blocks.split..].iter();
             let mut largest = [pressures.fold(0.0_f64, |m, p| m.max(p.abs()))];

@@ -24,7 +24,7 @@ use crate::assembly::{Discretization, PoreSpace};
 use crate::bulk::{FlowStep, Loads};
 use crate::comm::Comm;
 use crate::error::Result;
-use crate::solve::problem::convergence::{is_rounding, rounding};
+use crate::solve::problem::measure::{is_rounding, rounding};
 use crate::space::PrescribedPressure;
 use balance::{Contents, NodalBalance};
 use pace::Pace;

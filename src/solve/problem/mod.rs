@@ -6,8 +6,10 @@
 
 pub(in crate::solve) mod condensed;
 pub(in crate::solve) mod convergence;
+mod cycles;
 pub(in crate::solve) mod energy;
 mod known_pressure;
+pub(in crate::solve) mod measure;
 mod newton;
 pub(in crate::solve) mod path;
 mod predictor;
@@ -36,7 +38,8 @@ use crate::solve::guess::rigid::RigidMotions;
 use crate::solve::model::interfaces::InterfaceState;
 use crate::solve::model::linear::LinearTarget;
 use crate::timers::Timers;
-use convergence::{Convergence, Worst};
+use convergence::{Convergence, Iterate};
+use measure::Worst;
 use path::PathControl;
 
 /// How the tangent of the condensed form is held.
@@ -263,8 +266,8 @@ impl<'a> Problem<'a> {
         self.comm.sum(&mut square);
         self.residual_norm = square[0].sqrt();
         let (comm, all) = (self.comm, &self.all);
-        let verdict =
-            self.convergence.judge(comm, all, &self.interfaces, iteration, norm, worst, other)?;
+        let iterate = Iterate { corrections: iteration, norm, worst, control: other };
+        let verdict = self.convergence.judge(comm, all, &self.interfaces, iterate)?;
         (self.judged_norm, self.corrections) = (norm, iteration);
         self.is_skew &= iteration > 0;
         let (smallest, since) = self.stall;

@@ -1,6 +1,6 @@
 //! Forces of a state and the residual of the condensed form (docs/theory.md, section 4).
 
-use super::convergence::Scales;
+use super::measure::Scales;
 use super::{Problem, TangentForm, condensed};
 use crate::assembly::CellSet;
 use crate::timers::Phase;
