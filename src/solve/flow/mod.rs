@@ -16,6 +16,7 @@ pub(in crate::solve) mod setup;
 pub use coupled::Coupling;
 
 pub use balance::FluidBalance;
+pub use pace::{NextStep, Pace};
 
 use std::rc::Rc;
 
@@ -27,7 +28,6 @@ use crate::error::Result;
 use crate::solve::problem::measure::{is_rounding, rounding};
 use crate::space::PrescribedPressure;
 use balance::{Contents, NodalBalance};
-use pace::Pace;
 
 /// Fluid that comes in from outside.
 pub struct Source {

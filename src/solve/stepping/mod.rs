@@ -14,7 +14,7 @@ mod step_state;
 mod words;
 
 pub use bifurcation::Bifurcation;
-pub use step_state::{MOST_COUNTED, StepState};
+pub use step_state::{FluidState, MOST_COUNTED, StepState};
 
 use std::time::{Duration, Instant};
 
