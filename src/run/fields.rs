@@ -1,5 +1,6 @@
 //! Field files: the bulk, and the secondary side of each interface.
 
+use crate::bulk::PoroState;
 use crate::case::{BULK, Case};
 use crate::comm::Comm;
 use crate::element::Shape;
@@ -184,7 +185,7 @@ impl PoreFields {
             porosity: vec![0.0; cells],
         };
         for pores in &space.cells {
-            let state = (&problem.displacement[..], pressure);
+            let state = PoroState { displacement: &problem.displacement, pressure };
             let (flux, pressure, porosity) =
                 space.at_centre(all, pores, state, &gravity.unwrap_or_default());
             let cell = pores.cell as usize;
