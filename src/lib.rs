@@ -26,6 +26,7 @@ pub mod solve;
 pub mod reduce;
 pub mod output;
 pub mod report;
+pub mod results;
 pub mod chart;
 pub mod html;
 pub mod study;

@@ -1,8 +1,10 @@
 //! A run from instant to instant: solves, writes, and tells how it ended.
 
+use std::path::Path;
 use std::time::Duration;
 
 use super::checkpoint::{Keeper, Progress, RunState};
+use super::facts::{linear_solver, modelled, partition_of};
 use super::fields::FieldWriter;
 use super::reduced::Reduced;
 use super::{history, page, probes, screen};
@@ -10,14 +12,13 @@ use crate::case::{Case, Fields};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::fault;
-use crate::output::directory::OutputDirectory;
+use crate::output::directory::{HISTORY, OutputDirectory, REPORT};
 use crate::output::finite::check_row;
 use crate::output::history::{History, Table};
 use crate::output::publisher::Publisher;
 use crate::reduce::Reduction;
 use crate::report::expectations::{Outcome, evaluate};
-use crate::report::{LeftOut, LinearSolver, Model as Modelled, Partition, Ran, Report, Status};
-use crate::report::{memory, tables, versions};
+use crate::report::{Report, Status, memory, tables, versions};
 use crate::runtime::Runtime;
 use crate::signals;
 use crate::solve::{Accepted, Model};
@@ -28,7 +29,8 @@ pub struct Session<'a> {
     comm: &'a Comm,
     timers: &'a Timers,
     case: &'a Case,
-    directory: OutputDirectory,
+    /// None where the results stay in memory.
+    directory: Option<OutputDirectory>,
     /// Columns and earlier rows, until the history is made.
     table: Table,
     /// On rank 0.
@@ -54,13 +56,21 @@ pub struct Solution {
     pub reduced: Option<Reduced>,
 }
 
+/// How a run has ended that came to its end.
+pub struct Ended {
+    /// Whether every expectation is met.
+    pub met: bool,
+    /// On rank 0.
+    pub told: Option<(Report, Table)>,
+}
+
 impl<'a> Session<'a> {
     /// Starts, or goes on from the state of an earlier run.
     pub fn new(
         comm: &'a Comm,
         timers: &'a Timers,
         case: &'a Case,
-        directory: OutputDirectory,
+        directory: Option<OutputDirectory>,
         state: Option<RunState>,
         solution: Solution,
     ) -> Self {
@@ -70,7 +80,8 @@ impl<'a> Session<'a> {
             Some(s) => (s.history, s.counts, s.residual_norms, s.accepted, s.fields),
             None => (fresh, [0; 2], Vec::new(), 0, Vec::new()),
         };
-        let fields = FieldWriter::new(case, &directory, fields);
+        let folder = directory.as_ref().map(OutputDirectory::fields).unwrap_or_default();
+        let fields = FieldWriter::new(case, &folder, fields);
         let publisher = Publisher::default();
         let history = None;
         Self {
@@ -94,7 +105,10 @@ impl<'a> Session<'a> {
     pub fn solve(&mut self, model: &mut Model<'_>) -> Result<()> {
         let created = if self.comm.is_root() {
             let table = std::mem::take(&mut self.table);
-            History::resume(self.directory.history(), table).map(Some)
+            match &self.directory {
+                Some(directory) => History::resume(directory.history(), table).map(Some),
+                None => Ok(Some(History::in_memory(table))),
+            }
         } else {
             Ok(None)
         };
@@ -195,12 +209,14 @@ impl<'a> Session<'a> {
 
     /// Refuses a row that is not finite on some rank. Collective.
     fn check_row(&self, time: f64, row: &[Option<f64>]) -> Result<()> {
-        let (file, when) = (self.directory.history(), format!("at time {time}"));
+        let file = self.directory.as_ref().map_or(HISTORY.into(), OutputDirectory::history);
+        let when = format!("at time {time}");
         self.comm.agree(check_row(&file, &when, &self.case.columns(), row))
     }
 
     /// Collective.
     fn write_checkpoint(&mut self, model: &mut Model<'_>) -> Result<()> {
+        let Some(directory) = &self.directory else { return Ok(()) };
         if let (Some(reduced), Some(last)) = (&self.solution.reduced, self.accepted.checked_sub(1))
         {
             reduced.adopt(model, last)?;
@@ -212,16 +228,17 @@ impl<'a> Session<'a> {
             history: self.history.as_ref().map(History::table),
             fields: &self.fields.written,
         };
-        let (directory, publisher) = (self.directory.path(), &mut self.publisher);
+        let (directory, publisher) = (directory.path(), &mut self.publisher);
         self.keeper.write(self.comm, publisher, directory, (self.case, model), &progress)
     }
 
     fn writes_fields(&self, time: f64) -> bool {
-        match &self.case.output.fields {
-            Fields::All => true,
-            Fields::None => false,
-            Fields::Times(times) => times.contains(&time),
-        }
+        self.directory.is_some()
+            && match &self.case.output.fields {
+                Fields::All => true,
+                Fields::None => false,
+                Fields::Times(times) => times.contains(&time),
+            }
     }
 
     /// Compares with the expectations and writes the report, and the page if it is wanted, also
@@ -232,7 +249,7 @@ impl<'a> Session<'a> {
         model: &Model<'_>,
         solved: Result<()>,
         wants_page: bool,
-    ) -> Result<bool> {
+    ) -> Result<Ended> {
         let outcomes = if solved.is_ok() { self.outcomes() } else { Ok(Vec::new()) };
         let outcomes = self.comm.agree(outcomes)?;
         let met = !self.comm.any(outcomes.iter().any(|o| !o.met));
@@ -279,27 +296,32 @@ impl<'a> Session<'a> {
             versions: versions(),
             case: self.case.resolved(),
         });
-        let written = report.as_ref().map_or(Ok(()), |r| r.write(&self.directory.report()));
+        let path = self.directory.as_ref().map(OutputDirectory::path);
+        let written = match (&report, &self.directory) {
+            (Some(report), Some(directory)) => report.write(&directory.report()),
+            (Some(report), None) => report.check(Path::new(REPORT)),
+            (None, _) => Ok(()),
+        };
         let mut written = self.comm.agree(written);
         if wants_page && written.is_ok() {
             written = self.write_page(report.as_ref(), &warnings);
         }
         if let (Some(report), Ok(())) = (&report, &written) {
-            screen::close(report, self.directory.path());
-            screen::complain_of_missed(report, self.directory.path());
+            screen::close(report, path);
         }
         if let (Err(_), Err(error)) = (&solved, &written) {
             tracing::warn!("warning: {error}");
         }
-        solved.map_err(|error| self.with_place(error)).and(written).map(|()| met)
+        solved.map_err(|error| self.with_place(error)).and(written)?;
+        Ok(Ended { met, told: report.zip(self.history.map(History::into_table)) })
     }
 
     /// Collective; rank 0 has a report.
     fn write_page(&self, report: Option<&Report>, warnings: &[String]) -> Result<()> {
         fault::strike(self.comm, "page")?;
-        let written = match (report, &self.history) {
-            (Some(report), Some(history)) => {
-                let path = self.directory.page();
+        let written = match (report, &self.history, &self.directory) {
+            (Some(report), Some(history), Some(directory)) => {
+                let path = directory.page();
                 page::write(&path, report, history.table(), self.case, warnings)
             }
             _ => Ok(()),
@@ -309,8 +331,9 @@ impl<'a> Session<'a> {
 
     /// Adds to a failure of the numerics what of the results is valid.
     fn with_place(&self, error: Error) -> Error {
+        let Some(directory) = &self.directory else { return error };
         let time = &self.case.time[..self.accepted];
-        let place = self.directory.path().display();
+        let place = directory.path().display();
         let valid = match time.last() {
             None => "no instant was reached".to_owned(),
             Some(last) => format!("the results up to time {last} are valid, in {place}"),
@@ -333,68 +356,5 @@ impl<'a> Session<'a> {
         expect
             .map(|e| evaluate(history.table(), &e.quantity, e.at, e.equals, e.relative, e.absolute))
             .collect()
-    }
-}
-
-fn modelled(case: &Case) -> Modelled {
-    Modelled {
-        physics: case.physics.name().into(),
-        dimension: case.dim as u8,
-        elements: case.formulations(),
-        left_out: case
-            .left_out
-            .iter()
-            .map(|sentence| {
-                let (what, why) = sentence.split_once(": ").unwrap_or((sentence, ""));
-                LeftOut { what: what.into(), why: why.into() }
-            })
-            .collect(),
-    }
-}
-
-/// The linear solver that was chosen, and what ran. Local.
-fn linear_solver(runtime: &Runtime, model: &Model<'_>) -> Result<LinearSolver> {
-    let nothing = model.choice.options.is_empty();
-    let ran = if nothing { Vec::new() } else { model.stepper.ran()? };
-    let ran = ran.into_iter().map(|r| Ran {
-        prefix: r.prefix,
-        method: r.method,
-        preconditioner: r.preconditioner,
-        package: r.package,
-    });
-    Ok(LinearSolver {
-        choice: model.choice.preset.into(),
-        why: model.choice.why.clone(),
-        ran: ran.collect(),
-        petsc_options: runtime.petsc.user_options()?,
-    })
-}
-
-/// How cells and interface nodes are shared out. Collective.
-fn partition_of(comm: &Comm, model: &Model<'_>) -> Partition {
-    let (mesh, all) = (&model.mesh, &model.stepper.problem.all);
-    let column = &mesh.column;
-    let mut cut = 0;
-    for cell in &mesh.cells {
-        let place = column.cell_place(*cell);
-        for side in model.sides.iter().filter(|s| s.cell_is_secondary(column, place)) {
-            let facing = side.facing_cells(column, place);
-            let elsewhere = |c: &&u64| mesh.cells.binary_search(c).is_err();
-            cut += facing.iter().filter(elsewhere).count() as u64;
-        }
-    }
-    let gather = |n: usize| -> Vec<u64> {
-        comm.gather(&[n as u64]).map_or_else(Vec::new, |lists| lists.concat())
-    };
-    let held = all.nodes.len() - all.nodes.owned;
-    let ghosts = comm.sum_u64(held as u64);
-    Partition {
-        cells: gather(mesh.cells.len()),
-        interface_nodes: gather(all.owned_secondary()),
-        ghosts: gather(held),
-        neighbours: gather(all.nodes.neighbours()),
-        cut_pairs: comm.sum_u64(cut),
-        ghost_share: ghosts as f64 / all.nodes.total as f64,
-        cells_before_distribution: mesh.coarse_cells,
     }
 }
