@@ -1,7 +1,7 @@
 //! A column from Rust: built in code, run in memory, compared with the closed form.
 //!
-//! A column of 5 m is pulled at its top until the joint at half its height is broken. In series with
-//! the column, of stiffness K = E/height, a joint that softens on a line carries
+//! A column of 5 m is pulled at its top until the joint at half its height is broken. In series
+//! with the column, of stiffness K = E/height, a joint that softens on a line carries
 //! (g - g_c)/(1/K - g_c/strength) at a displacement g, with g_c = 2 fracture_energy/strength.
 //!
 //! `cargo run --release --example column`, or under `mpirun -n 2`.

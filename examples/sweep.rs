@@ -1,7 +1,7 @@
 //! A parameter sweep: many runs within one process, in memory.
 //!
-//! The block of 1 m x 2 m is pulled and bent until its joint is broken, for three strengths of the
-//! joint on two meshes. The energy of rupture is that of the law whatever the strength and the mesh.
+//! A block of 1 m x 2 m is pulled and bent until its joint is broken, for three strengths of the
+//! joint on two meshes. Rupture takes the energy of the law, whatever the strength and the mesh.
 //!
 //! `cargo run --release --example sweep`, or under `mpirun -n 2`.
 

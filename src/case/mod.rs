@@ -107,7 +107,7 @@ impl Case {
 /// The case of a tree in which `problems` have been found so far.
 fn read_tree(mut tree: Node, path: &Path, mut problems: Problems) -> Result<Case> {
     let broken = schema::check(&mut tree, &mut problems);
-    let file = match serde_json::from_value(sections(&tree, &broken)) {
+    let file = match serde_json::from_value(readable(&tree, &broken)) {
         Ok(file) => file,
         Err(error) if problems.is_empty() => {
             return Err(Error::Input(format!("{}: {error}", path.display())));
@@ -136,7 +136,7 @@ fn check_overrides(overrides: &[String]) -> Result<()> {
 }
 
 /// The tree with placeholders for sections that cannot be read, so that the others are checked.
-fn sections(tree: &Node, broken: &BTreeSet<String>) -> serde_json::Value {
+fn readable(tree: &Node, broken: &BTreeSet<String>) -> serde_json::Value {
     let mut sections = tree.to_json();
     if let Some(object) = sections.as_object_mut() {
         for section in broken {
