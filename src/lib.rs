@@ -12,6 +12,7 @@ pub mod fault;
 pub mod signals;
 pub mod timers;
 pub mod hash;
+pub mod graph;
 pub mod simd;
 pub mod petsc;
 pub mod runtime;

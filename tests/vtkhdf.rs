@@ -14,7 +14,7 @@ use column_hpc::comm::Comm;
 use column_hpc::element::Shape;
 use column_hpc::output::directory::OutputDirectory;
 use column_hpc::output::publisher::Publisher;
-use column_hpc::output::series::{Fixed, Series};
+use column_hpc::output::series::{self, Fixed, Series};
 use column_hpc::output::vtkhdf::{Array, Data, Grid, Values};
 use column_hpc::output::vtkhdf::{rows_of, write_grid};
 
@@ -154,9 +154,13 @@ fn bulk_reads_back(comm: &Comm, place: &Path) {
     let fixed = Fixed { grid: &grid, data: known };
     let mut publisher = Publisher::default();
     let mut series = Series::new(place.to_path_buf(), "bulk");
-    series.write(comm, &mut publisher, (3, 3.0), fixed, data).expect("a writable directory");
+    series
+        .write(comm, &mut publisher, series::Instant { step: 3, time: 3.0 }, fixed, data)
+        .expect("a writable directory");
     let data = Data { cells: &[], ..data };
-    series.write(comm, &mut publisher, (4, 3.5), fixed, data).expect("a writable directory");
+    series
+        .write(comm, &mut publisher, series::Instant { step: 4, time: 3.5 }, fixed, data)
+        .expect("a writable directory");
     publisher.finish().expect("a writable directory");
 
     if comm.rank() == 0 {
@@ -215,7 +219,9 @@ fn surface_and_line_on_one_rank(comm: &Comm, place: &Path) {
     let fixed = Fixed { grid: &grid, data: Data::default() };
     let data = Data { points: &data, cells: &[] };
     let publisher = &mut Publisher::default();
-    series.write(comm, publisher, (3, 3.0), fixed, data).expect("a writable directory");
+    series
+        .write(comm, publisher, series::Instant { step: 3, time: 3.0 }, fixed, data)
+        .expect("a writable directory");
 
     let line = Grid {
         points: if here { &all[..3] } else { &[] },

@@ -19,7 +19,7 @@ pub struct Cells {
     /// First entry of each cell in `nodes`, and the end.
     start: Vec<u32>,
     nodes: Vec<u32>,
-    prototype: Vec<u16>,
+    prototype: Vec<u32>,
     stiffness: Vec<Stiffness>,
     layer: Vec<u32>,
     all: Sweeps,
@@ -38,7 +38,7 @@ impl Cells {
     pub fn new<'n>(
         dim: usize,
         nodes: impl Iterator<Item = Vec<u32>> + 'n,
-        prototype: Vec<u16>,
+        prototype: Vec<u32>,
         stiffness: Vec<Stiffness>,
     ) -> Self {
         let (mut start, mut list) = (vec![0], Vec::new());
@@ -142,10 +142,10 @@ impl Sweeps {
     fn new<'a>(
         dim: usize,
         stiffness: &[Stiffness],
-        cells: impl Iterator<Item = (&'a [u32], u16)> + Clone,
+        cells: impl Iterator<Item = (&'a [u32], u32)> + Clone,
     ) -> Self {
         let is_first =
-            |prototype: u16| matches!(stiffness[prototype as usize].form, SplitForm::First(_));
+            |prototype: u32| matches!(stiffness[prototype as usize].form, SplitForm::First(_));
         let first = Sweep::new(dim, cells.clone().filter(|(_, p)| is_first(*p)));
         let second = SecondOrderSweep::new(dim, cells.filter(|(_, p)| !is_first(*p)));
         Self { first, second }
@@ -159,13 +159,13 @@ impl Sweeps {
         [first, others]: [&mut [f64]; 2],
         mut magnitude: Option<&mut [f64]>,
     ) {
-        let modal = |prototype: u16| -> &Modal {
+        let modal = |prototype: u32| -> &Modal {
             let SplitForm::First(modal) = &stiffness[prototype as usize].form else {
                 unreachable!("sorted by order");
             };
             modal
         };
-        let parity = |prototype: u16| -> &Parity {
+        let parity = |prototype: u32| -> &Parity {
             let SplitForm::Second(parity) = &stiffness[prototype as usize].form else {
                 unreachable!("sorted by order");
             };

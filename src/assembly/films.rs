@@ -22,7 +22,7 @@ pub struct FilmNode {
 #[derive(Debug, Clone)]
 pub struct FilmFacet {
     /// Index among the prototypes.
-    pub prototype: u16,
+    pub prototype: u32,
     /// Indices into `Discretization::secondary`, in the order of the nodes of the facet.
     pub nodes: Vec<u32>,
     /// Local pressure nodes of its corners.

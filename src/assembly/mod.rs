@@ -63,7 +63,7 @@ impl Discretization {
         for (index, rows) in secondary.iter().enumerate() {
             secondary_of[rows.node as usize] = Some(index as u32);
         }
-        let prescribed = nodes.names.iter().map(|n| prescribed.components_of(*n)).collect();
+        let prescribed = nodes.marks.iter().map(|node| prescribed.components_of(node)).collect();
         let mut all = Self { dim, cells, nodes, prescribed, secondary, secondary_of };
         all.mark_interface_cells();
         all

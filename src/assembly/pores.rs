@@ -1,7 +1,7 @@
 //! The pore pressure of one rank: its nodes, its cells, and their sums.
 //!
 //! The pressure is linear in every porous cell, whatever the order of the displacement; its nodes
-//! are those of the column with cells of first order. Owned nodes come first, as everywhere.
+//! are the corners of the cells, with the same names. Owned nodes come first, as everywhere.
 
 mod matrix;
 
@@ -19,7 +19,7 @@ pub struct PoreCell {
     /// Index among the cells of [`Discretization`].
     pub cell: u32,
     /// Index among the prototypes.
-    pub prototype: u16,
+    pub prototype: u32,
     /// Local pressure nodes, in the order of the corners of the cell.
     pub nodes: [u32; MAX_CORNERS],
 }
@@ -55,8 +55,6 @@ pub struct PoreSpace {
     pub tie_of: Vec<Option<u32>>,
     /// Fluid between the lips.
     pub films: Films,
-    /// Names of the displacement nodes at the owned pressure nodes.
-    pub displacement_names: Vec<u64>,
 }
 
 /// [`PoreSpace::add_cell_forces`].

@@ -19,7 +19,7 @@ type Lanes = [f64; LANES];
 
 /// Like cells side by side; behind the last cell the first one stands again.
 struct Batch {
-    prototype: u16,
+    prototype: u32,
     cells: u16,
 }
 
@@ -33,7 +33,7 @@ pub struct SecondOrderSweep {
 
 impl SecondOrderSweep {
     /// Puts cells into batches: each has `3^dim` local nodes and the index of its prototype.
-    pub fn new<'a>(dim: usize, cells: impl Iterator<Item = (&'a [u32], u16)>) -> Self {
+    pub fn new<'a>(dim: usize, cells: impl Iterator<Item = (&'a [u32], u32)>) -> Self {
         let mut sweep = Self { dim, batches: Vec::new(), nodes: Vec::new() };
         let places = lattice_places(Shape::of(dim, 2));
         let mut batch: Vec<&[u32]> = Vec::with_capacity(LANES);
@@ -49,7 +49,7 @@ impl SecondOrderSweep {
         sweep
     }
 
-    fn close(&mut self, prototype: u16, places: &[usize], batch: &mut Vec<&[u32]>) {
+    fn close(&mut self, prototype: u32, places: &[usize], batch: &mut Vec<&[u32]>) {
         let Some(first) = batch.first() else { return };
         let start = self.nodes.len();
         self.nodes.resize(start + places.len() * LANES, 0);
@@ -69,7 +69,7 @@ impl SecondOrderSweep {
     /// forces, one per local node. Local.
     pub fn add_forces<'a>(
         &self,
-        stiffness: impl Fn(u16) -> &'a Parity,
+        stiffness: impl Fn(u32) -> &'a Parity,
         u: &[f64],
         force: [&mut [f64]; 2],
         magnitude: Option<&mut [f64]>,
@@ -91,7 +91,7 @@ struct Pass<'s, F> {
 /// A pass in `DIM` dimensions with `N` nodes per cell.
 struct Dim<'s, F, const DIM: usize, const N: usize>(Pass<'s, F>);
 
-impl<'a, F: Fn(u16) -> &'a Parity, const DIM: usize, const N: usize> Kernel for Dim<'_, F, DIM, N> {
+impl<'a, F: Fn(u32) -> &'a Parity, const DIM: usize, const N: usize> Kernel for Dim<'_, F, DIM, N> {
     #[inline(always)]
     fn run(self) {
         let Pass { sweep, stiffness, u, force, mut magnitude } = self.0;

@@ -26,7 +26,7 @@ const ENDS_3D: [[usize; 2]; LINES] = [[0, 1], [3, 2], [4, 5], [7, 6]];
 
 /// Like cells side by side.
 struct Batch {
-    prototype: u16,
+    prototype: u32,
     slots: u16,
     /// First entry in `nodes`.
     first: u32,
@@ -58,7 +58,7 @@ struct Scratch {
 
 impl Sweep {
     /// Puts cells into batches: each has `2^dim` local nodes and the index of its prototype.
-    pub fn new<'a>(dim: usize, cells: impl Iterator<Item = (&'a [u32], u16)>) -> Self {
+    pub fn new<'a>(dim: usize, cells: impl Iterator<Item = (&'a [u32], u32)>) -> Self {
         let ends: &[[usize; 2]] = if dim == 2 { &ENDS_2D } else { &ENDS_3D };
         let mut sweep = Self { dim, batches: Vec::new(), nodes: Vec::new(), gaps: Vec::new() };
         let mut lines: Vec<Vec<u32>> = vec![Vec::new(); ends.len()];
@@ -88,7 +88,7 @@ impl Sweep {
         sweep
     }
 
-    fn close(&mut self, prototype: Option<u16>, lines: &mut [Vec<u32>], gaps: &mut Vec<u16>) {
+    fn close(&mut self, prototype: Option<u32>, lines: &mut [Vec<u32>], gaps: &mut Vec<u16>) {
         let slots = lines[0].len();
         let Some(prototype) = prototype.filter(|_| slots > 0) else { return };
         let (first, first_gap) = (self.nodes.len() as u32, self.gaps.len() as u32);
@@ -104,7 +104,7 @@ impl Sweep {
     /// forces, one per local node. Local.
     pub fn add_forces<'a>(
         &self,
-        stiffness: impl Fn(u16) -> &'a Modal,
+        stiffness: impl Fn(u32) -> &'a Modal,
         u: &[f64],
         force: [&mut [f64]; 2],
         magnitude: Option<&mut [f64]>,
@@ -133,7 +133,7 @@ struct Pass<'s, F> {
 /// A pass in `DIM` dimensions with `L` lines per batch, with or without the lengths of the forces.
 struct Dim<'s, F, const DIM: usize, const L: usize, const SIZES: bool>(Pass<'s, F>);
 
-impl<'a, F: Fn(u16) -> &'a Modal, const DIM: usize, const L: usize, const SIZES: bool> Kernel
+impl<'a, F: Fn(u32) -> &'a Modal, const DIM: usize, const L: usize, const SIZES: bool> Kernel
     for Dim<'_, F, DIM, L, SIZES>
 {
     #[inline(always)]

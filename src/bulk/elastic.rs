@@ -57,7 +57,7 @@ impl Stiffness {
         let third = 2.0 / 3.0 * elastic.mu;
         let (at_points, on_projection) =
             if b_bar { (-third, elastic.lambda + third) } else { (elastic.lambda, 0.0) };
-        let shape = Shape::of(dim, prototype.order);
+        let shape = prototype.shape;
         let size: Vec<f64> = axes(dim).iter().map(|a| prototype.size[*a]).collect();
         let positions: Vec<[f64; 3]> = shape
             .node_points()
@@ -68,9 +68,9 @@ impl Stiffness {
         let mut matrix = vec![0.0; (n * dim) * (n * dim)];
         // Of 1 and, in cells of second order, each reference coordinate: its integrals against the
         // divergences of the shape functions, and against itself.
-        let projected = if prototype.order == 1 { 1 } else { 1 + dim };
+        let projected = if shape.order() == 1 { 1 } else { 1 + dim };
         let mut dilatation = vec![(vec![0.0; n * dim], 0.0); projected];
-        for point in gauss(shape, prototype.order + 1) {
+        for point in gauss(shape, shape.order() + 1) {
             let (gradients, volume) = physical_gradients(shape, &positions, point.xi, dim);
             let weight = point.weight * volume;
             for (a, ga) in gradients.iter().enumerate() {
@@ -183,7 +183,7 @@ mod tests {
 
     fn stiffness(dim: usize, order: usize, b_bar: bool) -> Stiffness {
         let size = if dim == 2 { [SIZE[0], 1.0, SIZE[2]] } else { SIZE };
-        let prototype = Prototype { size, material: 0, order };
+        let prototype = Prototype { size, material: 0, shape: Shape::of(dim, order) };
         Stiffness::new(&prototype, Elastic::new(5.8e9, 0.3), dim, b_bar)
     }
 
@@ -230,7 +230,7 @@ mod tests {
     #[test]
     fn bending_of_nearly_incompressible_material_is_soft() {
         let energy = |nu: f64, b_bar: bool| {
-            let prototype = Prototype { size: [1.0; 3], material: 0, order: 1 };
+            let prototype = Prototype { size: [1.0; 3], material: 0, shape: Shape::Hex8 };
             let k = Stiffness::new(&prototype, Elastic::new(1.0, nu), 3, b_bar);
             let corners = Shape::Hex8.node_points();
             let u: Vec<f64> = corners.iter().flat_map(|v| [v[0] * v[2], 0.0, 0.0]).collect();

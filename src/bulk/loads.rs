@@ -1,9 +1,9 @@
 //! Body force, gravity, surface tractions and fluid pressure on the lips of the interfaces; fluxes.
 
-use crate::case::{Case, Surface, Value};
+use crate::case::{Case, Value};
 use crate::element::{QuadraturePoint, Shape, gauss};
 use crate::error::{Error, Result};
-use crate::mesh::{CellPlace, LocalMesh, axes};
+use crate::mesh::{Facet, Lip, LocalMesh, axes};
 
 /// The loads of one rank's cells, ready to be evaluated at any time.
 #[derive(Debug, Clone, Default)]
@@ -48,19 +48,16 @@ impl Loads {
         let body = case.body_force.clone().map(|v| (!v.is_zero()).then_some(v));
         if body.iter().any(Option::is_some) {
             let source = loads.source("body_force".into(), body, 1.0);
-            for cell in &mesh.cells {
-                let place = mesh.column.cell_place(*cell);
-                loads.patch(mesh, source, place, None);
-            }
+            (0..mesh.cells.len()).for_each(|cell| loads.cell(mesh, source, cell));
         }
         if case.gravity != [0.0; 3] {
             for (index, material) in case.materials.iter().enumerate() {
                 let density = material.porous.as_ref().map_or(0.0, |porous| porous.density);
                 let weight = case.gravity.map(|g| Some(Value::Constant(density * g)));
                 let source = loads.source("gravity".into(), weight, 1.0);
-                for (cell, prototype) in mesh.cells.iter().zip(&mesh.cell_prototype) {
-                    if mesh.prototypes[*prototype as usize].material == index {
-                        loads.patch(mesh, source, mesh.column.cell_place(*cell), None);
+                for cell in 0..mesh.cells.len() {
+                    if mesh.prototype(cell).material == index {
+                        loads.cell(mesh, source, cell);
                     }
                 }
             }
@@ -70,16 +67,16 @@ impl Loads {
             if traction.iter().any(Option::is_some) {
                 let name = format!("boundary.{number} ({}): traction", entry.on.name());
                 let source = loads.source(name, traction, 1.0);
-                loads.facets(mesh, source, |place| on_surface(mesh, place, entry.on));
+                loads.facets(mesh, source, mesh.on_surface(entry.on), |_| true);
             }
         }
         for (index, interface) in case.interfaces.iter().enumerate() {
             let pressure = interface.fluid_pressure.clone().filter(|v| !v.is_zero());
             if pressure.is_some() {
                 let name = format!("interfaces.{}: fluid.pressure", interface.name);
-                for (sign, upper) in [(1.0, false), (-1.0, true)] {
+                for (sign, lip) in [(1.0, Lip::Upper), (-1.0, Lip::Lower)] {
                     let source = loads.source(name.clone(), [None, None, pressure.clone()], sign);
-                    loads.facets(mesh, source, |place| on_lip(mesh, place, index, upper));
+                    loads.facets(mesh, source, mesh.on_lip(index, lip), |_| true);
                 }
             }
         }
@@ -95,13 +92,11 @@ impl Loads {
             if flux.is_some() {
                 let name = format!("boundary.{number} ({}): flux", entry.on.name());
                 let source = loads.source(name, [flux, None, None], 1.0);
-                let is_porous = |place: CellPlace| {
-                    let material = mesh.column.cell_size(place).1;
+                let is_porous = |facet: &Facet| {
+                    let material = mesh.prototype(facet.cell as usize).material;
                     case.materials[material].porous.is_some()
                 };
-                loads.facets(mesh, source, |place| {
-                    on_surface(mesh, place, entry.on).filter(|_| is_porous(place))
-                });
+                loads.facets(mesh, source, mesh.on_surface(entry.on), is_porous);
             }
         }
         loads
@@ -116,7 +111,7 @@ impl Loads {
             if let Some(rate) = rate.filter(|rate| !rate.is_zero()) {
                 let name = format!("interfaces.{}: fluid.injection", interface.name);
                 let source = loads.source(name, [Some(rate), None, None], 1.0);
-                loads.facets(mesh, source, |place| on_lip(mesh, place, index, true));
+                loads.facets(mesh, source, mesh.on_lip(index, Lip::Lower), |_| true);
             }
         }
         loads
@@ -181,24 +176,23 @@ impl Loads {
         &mut self,
         mesh: &LocalMesh,
         source: usize,
-        facet: impl Fn(CellPlace) -> Option<usize>,
+        facets: &[Facet],
+        acts_on: impl Fn(&Facet) -> bool,
     ) {
-        for cell in &mesh.cells {
-            let place = mesh.column.cell_place(*cell);
-            if let Some(facet) = facet(place) {
-                self.patch(mesh, source, place, Some(facet));
-            }
+        for facet in facets.iter().filter(|facet| acts_on(facet)) {
+            let (shape, nodes) = mesh.facet_nodes(*facet);
+            self.patch(mesh, source, shape, &nodes);
         }
     }
 
-    fn patch(&mut self, mesh: &LocalMesh, source: usize, place: CellPlace, facet: Option<usize>) {
-        let mut nodes = mesh.column.cell_nodes(place);
-        let mut shape = mesh.column.shape(place.body);
-        if let Some((facet, of_facet)) = facet.zip(shape.facet()) {
-            nodes = shape.facets()[facet].iter().map(|a| nodes[*a]).collect();
-            shape = of_facet;
-        }
-        let corners: Vec<[f64; 3]> = nodes.iter().map(|n| mesh.column.point(*n)).collect();
+    fn cell(&mut self, mesh: &LocalMesh, source: usize, cell: usize) {
+        self.patch(mesh, source, mesh.shape(cell), mesh.cell_nodes(cell));
+    }
+
+    fn patch(&mut self, mesh: &LocalMesh, source: usize, shape: Shape, nodes: &[u32]) {
+        let corners: Vec<[f64; 3]> =
+            nodes.iter().map(|node| mesh.nodes.points[*node as usize]).collect();
+        let nodes = nodes.iter().map(|node| mesh.nodes.names[*node as usize]).collect();
         // Cells are boxes: the measure is the product of the non-zero edge lengths.
         let far = corners.iter().fold(corners[0], |far, c| {
             std::array::from_fn(|i| {
@@ -228,60 +222,5 @@ impl Loads {
         };
         let points = rule.iter().zip(&self.values[index].1).map(point).collect();
         self.patches.push(Patch { source, shape: index, nodes, points });
-    }
-}
-
-/// Number of the facet in `Shape::facets` that looks along an axis, to its lower or upper end.
-fn facet_towards(dim: usize, axis: usize, upper: bool) -> usize {
-    match (dim, axis, upper) {
-        (2, 2, false) => 0,
-        (2, 0, true) => 1,
-        (2, 2, true) => 2,
-        (2, _, _) => 3,
-        (_, 2, low_or_high) => usize::from(low_or_high),
-        (_, 1, false) => 2,
-        (_, 0, true) => 3,
-        (_, 1, true) => 4,
-        _ => 5,
-    }
-}
-
-/// The facet of a cell that lies on a named surface.
-fn on_surface(mesh: &LocalMesh, place: CellPlace, surface: Surface) -> Option<usize> {
-    let (axis, upper) = surface.axis()?;
-    let last = mesh.column.extent(place.body)[axis] - 1;
-    let end = if axis == 2 {
-        let body = if upper { mesh.column.bodies() - 1 } else { 0 };
-        place.body == body && place.at[2] == if upper { last } else { 0 }
-    } else {
-        place.at[axis] == if upper { last } else { 0 }
-    };
-    end.then(|| facet_towards(mesh.dim(), axis, upper))
-}
-
-/// The facet of a cell that is a lip of an interface; `upper` faces of bodies are lower lips.
-fn on_lip(mesh: &LocalMesh, place: CellPlace, interface: usize, upper: bool) -> Option<usize> {
-    let last = mesh.column.extent(place.body)[2] - 1;
-    let (body, k) = if upper { (interface, last) } else { (interface + 1, 0) };
-    (place.body == body && place.at[2] == k).then(|| facet_towards(mesh.dim(), 2, upper))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn facets_look_where_they_should() {
-        for (dim, order) in [(2, 1), (3, 1), (2, 2), (3, 2)] {
-            let shape = Shape::of(dim, order);
-            for axis in axes(dim) {
-                for upper in [false, true] {
-                    let component = axes(dim).iter().position(|a| a == axis).expect("an axis");
-                    let side = if upper { 1.0 } else { -1.0 };
-                    let facet = shape.facets()[facet_towards(dim, *axis, upper)];
-                    assert!(facet.iter().all(|a| shape.node_points()[*a][component] == side));
-                }
-            }
-        }
     }
 }

@@ -75,7 +75,7 @@ mod tests {
             let prototype = Prototype {
                 size: [0.5, if dim == 2 { 1.0 } else { 0.3 }, 0.2],
                 material: 0,
-                order: 1,
+                shape,
             };
             let stiffness = Stiffness::new(&prototype, Elastic::new(5.8e9, 0.3), dim, b_bar);
             let corners = shape.node_points();

@@ -3,7 +3,7 @@
 //! Pressures and masses as in [`PorousMedium`].
 
 use super::PorousMedium;
-use crate::element::{Shape, gauss};
+use crate::element::gauss;
 use crate::mesh::{Prototype, axes};
 
 /// Corners of the largest cell.
@@ -73,7 +73,7 @@ pub struct PorousCell {
 impl PorousCell {
     /// Integrates over a box, exactly for what does not depend on the state.
     pub fn new(prototype: &Prototype, medium: PorousMedium, dim: usize) -> Self {
-        let shape = Shape::of(dim, prototype.order);
+        let shape = prototype.shape;
         let corners = shape.corners();
         let mut size = [1.0; 3];
         axes(dim).iter().enumerate().for_each(|(c, axis)| size[c] = prototype.size[*axis]);
@@ -94,7 +94,7 @@ impl PorousCell {
                 gradients: of_corners.map(|g| slope(&g)),
             }
         };
-        let points: Vec<Point> = gauss(shape, prototype.order + 1).into_iter().map(point).collect();
+        let points: Vec<Point> = gauss(shape, shape.order() + 1).into_iter().map(point).collect();
         let (rows, np) = (shape.nodes() * dim, corners.nodes());
         let mut coupling = vec![0.0; rows * np];
         let mut mass = vec![0.0; np * np];
@@ -116,7 +116,7 @@ impl PorousCell {
         }
         let by_pressure = |a: usize| coupling.iter().skip(a).step_by(np).copied();
         let transposed = (0..np).flat_map(by_pressure).collect();
-        let order = prototype.order;
+        let order = shape.order();
         Self { medium, dim, order, size, points, coupling, transposed, mass, slopes }
     }
 

@@ -3,6 +3,7 @@
 use super::super::PorousMedium;
 use super::*;
 use crate::case::{Material, Porous};
+use crate::element::Shape;
 
 fn medium() -> PorousMedium {
     let material = Material {
@@ -50,7 +51,8 @@ fn at_rest_the_content_grows_by_biot_and_by_the_storage() {
 
 fn cell(dim: usize, order: usize) -> PorousCell {
     let size = if dim == 2 { [0.5, 1.0, 2.0] } else { [0.5, 0.25, 2.0] };
-    PorousCell::new(&Prototype { size, material: 0, order }, medium(), dim)
+    let shape = Shape::of(dim, order);
+    PorousCell::new(&Prototype { size, material: 0, shape }, medium(), dim)
 }
 
 /// The linearised balance is that of the tangent: central differences at rest.

@@ -3,6 +3,7 @@
 //! A case comes from the text of a file ([`Case::read`]) or from [`sections`] that are built in
 //! code ([`Case::build`]).
 
+mod bodies;
 mod build;
 mod checked;
 mod checks;
@@ -12,8 +13,8 @@ pub mod sections;
 pub use crate::input::{Formula, Value};
 pub use crate::law::LawSpec;
 pub use checked::Case;
-pub use checks::PhysicsDecision;
 pub use checks::{BULK, CLOSEST_PLANES, Control, ControlKind, Every, FlowSpec, Imperfection};
+pub use checks::{InterfaceQuantity, PhysicsDecision};
 pub use schema::schema;
 pub use sections::{BoundarySpec, Cells, Expectation, Fields, FilmSpec, Form, Formulation};
 pub use sections::{InterfaceSpec, Linear, Material, MeshSpec, OutputSpec, Porous, Probe, Reduce};

@@ -5,11 +5,13 @@ mod labels;
 mod map;
 mod panel;
 mod scale;
+mod strokes;
 
 pub(crate) use canvas::{png, svg};
 pub(crate) use map::{Entry, Map};
-pub(crate) use panel::{Line, Look, Panel, Panels};
+pub(crate) use panel::{Line, Panel, Panels};
 pub(crate) use scale::Scale;
+pub(crate) use strokes::Look;
 
 #[cfg(test)]
 mod tests;

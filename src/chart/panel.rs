@@ -5,17 +5,8 @@ use plotters::prelude::{DrawingBackend, RGBColor};
 use super::canvas::{Anchor, Canvas, Drawn, Figure, Frame, INK, width};
 use super::labels::labels;
 use super::scale::Scale;
+use super::strokes::{COLORS, Look, cross, joined, marker, without_needless};
 
-/// Colours that the colour-blind tell apart (Okabe and Ito), without the yellow.
-pub(crate) const COLORS: [RGBColor; 7] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(86, 180, 233),
-    RGBColor(230, 159, 0),
-    RGBColor(0, 0, 0),
-];
 const GREY: RGBColor = RGBColor(130, 130, 130);
 const GRID: RGBColor = RGBColor(228, 228, 228);
 const ZERO: RGBColor = RGBColor(176, 176, 176);
@@ -23,9 +14,6 @@ const ZERO: RGBColor = RGBColor(176, 176, 176);
 /// Heights of text.
 pub(crate) const TITLE: f64 = 17.0;
 pub(crate) const TEXT: f64 = 13.0;
-
-/// Number of markers.
-const MARKERS: usize = 5;
 
 /// A line of a panel.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,19 +31,6 @@ pub(crate) struct Line {
     pub look: Look,
     /// Beside the points; none, or one for each.
     pub labels: Vec<String>,
-}
-
-/// What is drawn of a line that has a style.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Look {
-    /// A marker at each point, and what joins them.
-    Marked,
-    /// What joins the points.
-    Joined,
-    /// The markers.
-    Points,
-    /// What joins the points, broad, for what others lie on.
-    Band,
 }
 
 impl Line {
@@ -176,7 +151,7 @@ impl Figure for Panels {
                 wide: PANEL.0 - 92.0,
                 high: PANEL.1 - 56.0,
             };
-            panel.draw(canvas, &frame)?;
+            panel.draw(canvas, frame)?;
         }
         let legend = self.legend();
         for ((left, y), (mark, name)) in self.places(&legend).into_iter().zip(legend) {
@@ -201,15 +176,55 @@ impl Figure for Panels {
 }
 
 impl Panel {
-    fn draw<B: DrawingBackend>(&self, canvas: &Canvas<'_, B>, frame: &Frame) -> Drawn {
-        let Frame { left, top, wide, high } = *frame;
-        let (right, bottom) = (left + wide, top + high);
-        let x_at = |x: f64| self.x.place(x).map(|place| left + place * wide);
-        let y_at = |y: f64| self.y.place(y).map(|place| bottom - place * high);
-        let at = |(x, y): (f64, f64)| Some((x_at(x)?, y_at(y)?));
+    fn draw<B: DrawingBackend>(&self, canvas: &Canvas<'_, B>, frame: Frame) -> Drawn {
+        let plot = Plot { panel: self, canvas, frame };
+        plot.axes()?;
+        plot.lines()?;
+        plot.markers()?;
+        for line in &self.lines {
+            let points = line.points.iter().map(|p| plot.at(*p));
+            labels(canvas, &plot.frame, points.zip(&line.labels))?;
+        }
+        for point in self.front.iter().filter_map(|p| plot.at(*p)) {
+            canvas.circle(point, 8.0, INK, Some(1.6))?;
+        }
+        Ok(())
+    }
+}
 
+/// A panel in its place.
+struct Plot<'a, B: DrawingBackend> {
+    panel: &'a Panel,
+    canvas: &'a Canvas<'a, B>,
+    frame: Frame,
+}
+
+impl<B: DrawingBackend> Plot<'_, B> {
+    fn right(&self) -> f64 {
+        self.frame.left + self.frame.wide
+    }
+
+    fn bottom(&self) -> f64 {
+        self.frame.top + self.frame.high
+    }
+
+    fn x_at(&self, x: f64) -> Option<f64> {
+        self.panel.x.place(x).map(|place| self.frame.left + place * self.frame.wide)
+    }
+
+    /// Where a point of the two scales lies.
+    fn at(&self, (x, y): (f64, f64)) -> Option<(f64, f64)> {
+        let y = self.panel.y.place(y).map(|place| self.bottom() - place * self.frame.high);
+        Some((self.x_at(x)?, y?))
+    }
+
+    /// The frame with its marks, their numbers and what the axes are called.
+    fn axes(&self) -> Drawn {
+        let (canvas, panel) = (self.canvas, self.panel);
+        let Frame { left, top, wide, high } = self.frame;
+        let (right, bottom) = (self.right(), self.bottom());
         let mut before = f64::NEG_INFINITY;
-        for (place, text) in self.x.marks() {
+        for (place, text) in panel.x.marks() {
             let x = left + place * wide;
             canvas.line(&[(x, top), (x, bottom)], grid(&text), 1.0)?;
             canvas.line(&[(x, bottom), (x, bottom + 5.0)], INK, 1.0)?;
@@ -220,7 +235,7 @@ impl Panel {
                 before = x + half;
             }
         }
-        for (place, text) in self.y.marks() {
+        for (place, text) in panel.y.marks() {
             let y = bottom - place * high;
             canvas.line(&[(left, y), (right, y)], grid(&text), 1.0)?;
             canvas.line(&[(left - 5.0, y), (left, y)], INK, 1.0)?;
@@ -228,129 +243,48 @@ impl Panel {
         }
         let corners = [(left, top), (right, top), (right, bottom), (left, bottom), (left, top)];
         canvas.line(&corners, INK, 1.0)?;
-        canvas.text(
-            &self.x_label,
-            (left + 0.5 * wide, bottom + 42.0),
-            TEXT,
-            INK,
-            Anchor::Center,
-        )?;
-        canvas.text(&self.y_label, (left - 64.0, top + 0.5 * high), TEXT, INK, Anchor::Upwards)?;
+        let below = (left + 0.5 * wide, bottom + 42.0);
+        canvas.text(&panel.x_label, below, TEXT, INK, Anchor::Center)?;
+        let beside = (left - 64.0, top + 0.5 * high);
+        canvas.text(&panel.y_label, beside, TEXT, INK, Anchor::Upwards)
+    }
 
-        for line in &self.lines {
+    /// What joins points, and their ranges.
+    fn lines(&self) -> Drawn {
+        for line in &self.panel.lines {
             let color = line.style.map_or(GREY, |style| COLORS[style % COLORS.len()]);
-            let points: Vec<(f64, f64)> = line.points.iter().filter_map(|p| at(*p)).collect();
+            let points: Vec<(f64, f64)> = line.points.iter().filter_map(|p| self.at(*p)).collect();
             match line.style {
-                Some(style) if points.len() > 1 => joined(canvas, &points, style, line.look)?,
+                Some(style) if points.len() > 1 => joined(self.canvas, &points, style, line.look)?,
                 None if points.len() > 1 => {
-                    canvas.dashes(&without_needless(&points), color, 1.2)?;
+                    self.canvas.dashes(&without_needless(&points), color, 1.2)?;
                 }
                 _ => {}
             }
             for (x, low, high) in &line.spreads {
-                if let (Some(low), Some(high)) = (at((*x, *low)), at((*x, *high))) {
-                    canvas.line(&[low, high], color, 1.2)?;
+                if let (Some(low), Some(high)) = (self.at((*x, *low)), self.at((*x, *high))) {
+                    self.canvas.line(&[low, high], color, 1.2)?;
                 }
             }
         }
-        for line in &self.lines {
-            let Some(style) = line.style else { continue };
-            for point in line.points.iter().filter(|_| line.look.has_markers()) {
-                at(*point).map_or(Ok(()), |point| marker(canvas, point, style))?;
-            }
-            // Side by side, where runs of several lines failed at one place.
-            let shift = 7.0 * (style as f64 - 0.5 * (self.lines.len() as f64 - 1.0));
-            for x in line.failed.iter().filter_map(|x| x_at(*x)) {
-                let x = (x + shift).clamp(left, right);
-                cross(canvas, (x, top), COLORS[style % COLORS.len()])?;
-            }
-        }
-        for line in &self.lines {
-            let points = line.points.iter().map(|p| at(*p));
-            labels(canvas, frame, points.zip(&line.labels))?;
-        }
-        for point in self.front.iter().filter_map(|p| at(*p)) {
-            canvas.circle(point, 8.0, INK, Some(1.6))?;
-        }
         Ok(())
     }
-}
 
-impl Look {
-    fn has_markers(self) -> bool {
-        matches!(self, Look::Marked | Look::Points)
-    }
-}
-
-/// What joins the points of a style.
-fn joined<B: DrawingBackend>(
-    canvas: &Canvas<'_, B>,
-    points: &[(f64, f64)],
-    style: usize,
-    look: Look,
-) -> Drawn {
-    let color = COLORS[style % COLORS.len()];
-    match look {
-        Look::Marked => canvas.line(points, color, 2.0),
-        // What is dense would follow the pixels.
-        Look::Joined => canvas.line(&without_needless(points), color, 2.0),
-        Look::Band => canvas.line(&without_needless(points), color, 5.0),
-        Look::Points => Ok(()),
-    }
-}
-
-/// How far a point may be from the line that is drawn without it, in pixels.
-const NEEDLESS: f64 = 0.1;
-
-/// The points without which the line would be another one (Douglas and Peucker).
-fn without_needless(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let mut kept = vec![false; points.len()];
-    let mut pieces = vec![(0, points.len().saturating_sub(1))];
-    while let Some((first, last)) = pieces.pop() {
-        if points.is_empty() {
-            break;
+    /// Markers of points, and crosses at the upper edge where runs failed.
+    fn markers(&self) -> Drawn {
+        let lines = &self.panel.lines;
+        for line in lines {
+            let Some(style) = line.style else { continue };
+            for point in line.points.iter().filter(|_| line.look.has_markers()) {
+                self.at(*point).map_or(Ok(()), |point| marker(self.canvas, point, style))?;
+            }
+            // Side by side, where runs of several lines failed at one place.
+            let shift = 7.0 * (style as f64 - 0.5 * (lines.len() as f64 - 1.0));
+            for x in line.failed.iter().filter_map(|x| self.x_at(*x)) {
+                let x = (x + shift).clamp(self.frame.left, self.right());
+                cross(self.canvas, (x, self.frame.top), COLORS[style % COLORS.len()])?;
+            }
         }
-        (kept[first], kept[last]) = (true, true);
-        let between = first + 1..last.max(first + 1);
-        let off = |i: usize| from_line(points[i], points[first], points[last]);
-        let farthest = between.max_by(|a, b| off(*a).total_cmp(&off(*b)));
-        if let Some(middle) = farthest.filter(|i| off(*i) > NEEDLESS) {
-            pieces.extend([(first, middle), (middle, last)]);
-        }
-    }
-    points.iter().zip(kept).filter(|(_, kept)| *kept).map(|(point, _)| *point).collect()
-}
-
-/// How far a point is from the line between two others, ends included.
-fn from_line(p: (f64, f64), from: (f64, f64), to: (f64, f64)) -> f64 {
-    let along = (to.0 - from.0, to.1 - from.1);
-    let length = along.0.powi(2) + along.1.powi(2);
-    let share = (p.0 - from.0) * along.0 + (p.1 - from.1) * along.1;
-    let share = if length > 0.0 { (share / length).clamp(0.0, 1.0) } else { 0.0 };
-    (p.0 - from.0 - share * along.0).hypot(p.1 - from.1 - share * along.1)
-}
-
-fn cross<B: DrawingBackend>(canvas: &Canvas<'_, B>, at: (f64, f64), color: RGBColor) -> Drawn {
-    const HALF: f64 = 5.5;
-    for slope in [1.0, -1.0] {
-        let ends = [(at.0 - HALF, at.1 - slope * HALF), (at.0 + HALF, at.1 + slope * HALF)];
-        canvas.line(&ends, color, 2.2)?;
-    }
-    Ok(())
-}
-
-/// The marker of a style: shapes differ where colours come again, and between neighbours.
-fn marker<B: DrawingBackend>(canvas: &Canvas<'_, B>, at: (f64, f64), style: usize) -> Drawn {
-    let color = COLORS[style % COLORS.len()];
-    let r = 5.0;
-    let corners = |offsets: &[(f64, f64)]| -> Vec<(f64, f64)> {
-        offsets.iter().map(|(dx, dy)| (at.0 + dx * r, at.1 + dy * r)).collect()
-    };
-    match style % MARKERS {
-        0 => canvas.circle(at, 4.5, color, None),
-        1 => canvas.fill(&corners(&[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)]), color),
-        2 => canvas.fill(&corners(&[(0.0, -1.2), (1.1, 0.8), (-1.1, 0.8)]), color),
-        3 => canvas.fill(&corners(&[(0.0, -1.3), (1.1, 0.0), (0.0, 1.3), (-1.1, 0.0)]), color),
-        _ => canvas.fill(&corners(&[(-1.1, -0.8), (1.1, -0.8), (0.0, 1.2)]), color),
+        Ok(())
     }
 }

@@ -133,6 +133,21 @@ impl Shape {
         if self.dim() == 1 { None } else { Some(Self::of(self.dim() - 1, self.order())) }
     }
 
+    /// The nodes of a facet's shape in the order in which it runs the other way round from the same
+    /// first corner (a line: from the other end).
+    ///
+    /// # Panics
+    /// For shapes of three dimensions.
+    pub const fn mirrored(self) -> &'static [usize] {
+        match self {
+            Shape::Line2 => &[1, 0],
+            Shape::Line3 => &[1, 0, 2],
+            Shape::Quad4 => &[0, 3, 2, 1],
+            Shape::Quad9 => &[0, 3, 2, 1, 7, 6, 5, 4, 8],
+            Shape::Hex8 | Shape::Hex27 => panic!("facets have at most two dimensions"),
+        }
+    }
+
     /// The nodal basis at a reference point: `out[a]` = N_a(xi), for the first `nodes()` entries.
     ///
     /// # Panics
@@ -207,6 +222,22 @@ mod tests {
                 for (b, &value) in values[..shape.nodes()].iter().enumerate() {
                     assert_eq!(value, if a == b { 1.0 } else { 0.0 });
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn a_mirrored_facet_is_the_same_facet() {
+        for shape in SHAPES.into_iter().filter(|s| s.dim() < 3) {
+            let (points, order) = (shape.node_points(), shape.mirrored());
+            let mut same = order.to_vec();
+            same.sort_unstable();
+            assert_eq!(same, (0..shape.nodes()).collect::<Vec<_>>());
+            // Exchanging the axes (2D: turning the axis) takes each node to its mirror image.
+            for (point, other) in points.iter().zip(order) {
+                let [x, y, z] = points[*other];
+                let image = if shape.dim() == 1 { [-x, y, z] } else { [y, x, z] };
+                assert_eq!(*point, image, "{shape:?}");
             }
         }
     }

@@ -184,33 +184,19 @@ impl Walk<'_, '_> {
             } else if schema["additionalProperties"].is_object() {
                 self.node(&schema["additionalProperties"], &mut entry.node, &here);
             } else if schema["additionalProperties"] != Json::Bool(true) {
-                let here = shortened(&here);
-                let meant = truth(&entry.key).and_then(|flag| word_of_truth(flag, &known));
-                let hint = match meant {
-                    Some(word) => format!(
-                        ": tools for YAML 1.1 write the key {word} so; put it in quotes, '{word}':"
-                    ),
-                    None if known.is_empty() => format!("; {path} has none, write {{}}"),
-                    None => suggestion(&entry.key, &known),
-                };
-                self.problems.at(entry.origin, format!("{here} is not a known key{hint}"));
-                misspelt.extend(meant.or_else(|| nearest(&entry.key, &known)).cloned());
+                misspelt.extend(self.unknown(&entry, &known, path).cloned());
                 is_misspelt = true;
                 continue;
             }
             kept.push(entry);
         }
         *entries = kept;
-        let present = |name: &str| entries.iter().any(|entry| entry.key == name);
-        let required = schema["required"].as_array();
-        let missing: Vec<&str> = required
-            .into_iter()
-            .flatten()
-            .filter_map(Json::as_str)
-            .filter(|name| !present(name))
-            .collect();
         let too_few = schema["minProperties"].as_u64().unwrap_or(0) > entries.len() as u64;
-        for name in missing {
+        let required = schema["required"].as_array().into_iter().flatten();
+        for name in required.filter_map(Json::as_str) {
+            if entries.iter().any(|entry| entry.key == name) {
+                continue;
+            }
             self.broken.insert(join(path, name).split('.').next().unwrap_or_default().to_owned());
             // A key that was meant by a misspelt one is not told twice.
             if !misspelt.contains(name) {
@@ -223,6 +209,27 @@ impl Walk<'_, '_> {
         } else if too_few {
             self.breaks(node, path, "has no entries");
         }
+    }
+
+    /// Tells of a key that is none of the known ones; which of them was meant, if that is clear.
+    fn unknown<'k>(
+        &mut self,
+        entry: &Entry,
+        known: &'k [String],
+        path: &str,
+    ) -> Option<&'k String> {
+        let here = join(path, &entry.key);
+        let here = shortened(&here);
+        let meant = truth(&entry.key).and_then(|flag| word_of_truth(flag, known));
+        let hint = match meant {
+            Some(word) => {
+                format!(": tools for YAML 1.1 write the key {word} so; put it in quotes, '{word}':")
+            }
+            None if known.is_empty() => format!("; {path} has none, write {{}}"),
+            None => suggestion(&entry.key, known),
+        };
+        self.problems.at(entry.origin, format!("{here} is not a known key{hint}"));
+        meant.or_else(|| nearest(&entry.key, known))
     }
 
     /// One of several forms: words, numbers, lists, and sections told apart by their keys.

@@ -212,6 +212,20 @@ impl<'de> Visitor<'de> for DataVisitor {
     }
 }
 
+/// The names of a dotted path.
+fn steps_of(path: &str) -> Result<Vec<&str>, String> {
+    let steps: Vec<&str> = path.trim().split('.').collect();
+    if steps.iter().any(|step| step.is_empty()) {
+        return Err("a name in front of `=` is empty".to_owned());
+    }
+    if steps.len() > DEEPEST {
+        let names = steps.len();
+        return Err(format!("{names} names in front of `=`; at most {DEEPEST} are read"));
+    }
+    steps.iter().try_for_each(|step| check_text(step))?;
+    Ok(steps)
+}
+
 impl Node {
     /// What it is, for messages: `the number 3`, `a list`.
     pub fn describe(&self) -> String {
@@ -295,60 +309,58 @@ impl Node {
             "" => Node { data: Data::Empty, origin: self.origin },
             text => parse(text).map_err(|error| error.reason)?,
         };
-        value.stamp(Origin::Override(number));
-        let steps: Vec<&str> = path.trim().split('.').collect();
-        if steps.iter().any(|step| step.is_empty()) {
-            return Err("a name in front of `=` is empty".to_owned());
-        }
-        if steps.len() > DEEPEST {
-            let names = steps.len();
-            return Err(format!("{names} names in front of `=`; at most {DEEPEST} are read"));
-        }
-        steps.iter().try_for_each(|step| check_text(step))?;
         let origin = Origin::Override(number);
+        value.stamp(origin);
+        let steps = steps_of(path)?;
         let mut here = self;
         for (depth, step) in steps.iter().enumerate() {
             let last = depth + 1 == steps.len();
             if here.data == Data::Empty {
                 *here = Node { data: Data::Map(Vec::new()), origin };
             }
-            let parent = if depth == 0 { "the case".to_owned() } else { steps[..depth].join(".") };
-            let what = here.describe();
-            here = match &mut here.data {
-                Data::Map(entries) => {
-                    if last && value.data == Data::Empty {
-                        entries.retain(|entry| entry.key != *step);
-                        return Ok(());
-                    }
-                    let index = entries.iter().position(|entry| entry.key == *step);
-                    let index = index.unwrap_or_else(|| {
-                        let node = Node { data: Data::Empty, origin };
-                        entries.push(Entry { key: (*step).to_owned(), origin, node });
-                        entries.len() - 1
-                    });
-                    &mut entries[index].node
-                }
-                Data::List(items) => {
-                    let length = items.len();
-                    match step.parse::<usize>() {
-                        Ok(index) if index < length => &mut items[index],
-                        Ok(index) if index == length => {
-                            items.push(Node { data: Data::Empty, origin });
-                            &mut items[index]
-                        }
-                        _ => {
-                            return Err(format!(
-                                "{parent} is a list of {length}; `{step}` is no position in it \
-                                 (0 to {length}, {length} appends)"
-                            ));
-                        }
-                    }
-                }
-                _ => return Err(format!("{parent} is {what}, so `{step}` cannot be set in it")),
-            };
+            if let Data::Map(entries) = &mut here.data
+                && last
+                && value.data == Data::Empty
+            {
+                entries.retain(|entry| entry.key != *step);
+                return Ok(());
+            }
+            here = here.child(&steps[..depth], step, origin)?;
         }
         *here = value;
         Ok(())
+    }
+
+    /// What a step leads to from here, where `path` led; a key or the item after the last is made.
+    fn child(&mut self, path: &[&str], step: &str, origin: Origin) -> Result<&mut Node, String> {
+        let parent = if path.is_empty() { "the case".to_owned() } else { path.join(".") };
+        let what = self.describe();
+        let empty = Node { data: Data::Empty, origin };
+        match &mut self.data {
+            Data::Map(entries) => {
+                let index = entries.iter().position(|entry| entry.key == step);
+                let index = index.unwrap_or_else(|| {
+                    entries.push(Entry { key: step.to_owned(), origin, node: empty });
+                    entries.len() - 1
+                });
+                Ok(&mut entries[index].node)
+            }
+            Data::List(items) => {
+                let length = items.len();
+                match step.parse::<usize>() {
+                    Ok(index) if index < length => Ok(&mut items[index]),
+                    Ok(index) if index == length => {
+                        items.push(empty);
+                        Ok(&mut items[index])
+                    }
+                    _ => Err(format!(
+                        "{parent} is a list of {length}; `{step}` is no position in it \
+                         (0 to {length}, {length} appends)"
+                    )),
+                }
+            }
+            _ => Err(format!("{parent} is {what}, so `{step}` cannot be set in it")),
+        }
     }
 
     fn stamp(&mut self, origin: Origin) {

@@ -11,7 +11,7 @@ use super::Sides;
 use super::jump::{integrate, sum};
 use crate::bulk::{Elastic, Stiffness};
 use crate::case::Case;
-use crate::mesh::{Column, LocalMesh};
+use crate::mesh::{LocalMesh, MeshFamily};
 use crate::space::Prescribed;
 
 /// Cells per edge of the base of each body and their order.
@@ -49,9 +49,9 @@ time: {{instants: [1]}}
 /// K over the free components, and their numbers by node and component.
 fn stiffness(case: &Case, mesh: &LocalMesh, prescribed: &Prescribed) -> (DMatrix<f64>, Numbers) {
     let dim = case.dim;
-    let mut numbers = Numbers { dim, of: vec![None; mesh.nodes.len() * dim], count: 0 };
-    for (node, name) in mesh.nodes.iter().enumerate() {
-        let fixed = prescribed.components_of(*name);
+    let mut numbers = Numbers { dim, of: vec![None; mesh.nodes.names.len() * dim], count: 0 };
+    for (node, marks) in mesh.nodes.marks.iter().enumerate() {
+        let fixed = prescribed.components_of(marks);
         for c in (0..dim).filter(|c| !fixed[*c]) {
             numbers.of[node * dim + c] = Some(numbers.count);
             numbers.count += 1;
@@ -61,11 +61,11 @@ fn stiffness(case: &Case, mesh: &LocalMesh, prescribed: &Prescribed) -> (DMatrix
     let cells: Vec<Stiffness> =
         mesh.prototypes.iter().map(|p| Stiffness::new(p, elastic, dim, false)).collect();
     let mut k = DMatrix::zeros(numbers.count, numbers.count);
-    for (cell, prototype) in mesh.cells.iter().zip(&mesh.cell_prototype) {
-        let nodes = mesh.column.cell_nodes(mesh.column.cell_place(*cell));
-        let unknowns: Vec<Option<usize>> = nodes
+    for (cell, prototype) in mesh.cell_prototype.iter().enumerate() {
+        let unknowns: Vec<Option<usize>> = mesh
+            .cell_nodes(cell)
             .iter()
-            .flat_map(|n| (0..dim).map(|c| numbers.get(mesh, *n, c)).collect::<Vec<_>>())
+            .flat_map(|n| (0..dim).map(|c| numbers.get(*n as usize, c)).collect::<Vec<_>>())
             .collect();
         let matrix = &cells[*prototype as usize].matrix;
         for (row, i) in matrix.chunks_exact(unknowns.len()).zip(&unknowns) {
@@ -86,9 +86,8 @@ struct Numbers {
 }
 
 impl Numbers {
-    fn get(&self, mesh: &LocalMesh, node: u64, component: usize) -> Option<usize> {
-        let local = mesh.nodes.binary_search(&node).expect("a node of the mesh");
-        self.of[local * self.dim + component]
+    fn get(&self, node: usize, component: usize) -> Option<usize> {
+        self.of[node * self.dim + component]
     }
 }
 
@@ -104,7 +103,7 @@ enum Multipliers {
 }
 
 /// A row of B over nodes, its component and its weight.
-type Row = (Vec<(u64, f64)>, usize, f64);
+type Row = (Vec<(usize, f64)>, usize, f64);
 
 fn inf_sup(
     dim: usize,
@@ -125,58 +124,25 @@ fn eigenvalues(
     multipliers: Multipliers,
 ) -> DVector<f64> {
     let case = case(dim, bodies, secondary, supports);
-    let column = Column::new(&case).expect("a column");
-    let mesh = LocalMesh::new(&column, (0..column.cells()).collect(), column.cells());
-    let prescribed = Prescribed::new(&case, &column);
-    let sides = Sides::choose(&case, &column);
+    let mesh = MeshFamily::new(&case).expect("a mesh").whole();
+    let prescribed = Prescribed::new(&case);
+    let side = Sides::choose(&case, &mesh.facts)[0];
     let (k, numbers) = stiffness(&case, &mesh, &prescribed);
-    let mut rows: Vec<Row> = Vec::new();
-    match multipliers {
-        Multipliers::Dual | Multipliers::DualOnPrescribed => {
+    let rows = match multipliers {
+        Multipliers::Dual => dual_rows(&mesh, side, &prescribed),
+        Multipliers::DualOnPrescribed => {
             let free = self::case(dim, bodies, secondary, "bottom top");
-            let free = Prescribed::new(&free, &column);
-            let kept = multipliers == Multipliers::DualOnPrescribed;
-            let without = if kept { &free } else { &prescribed };
-            let fixed = |node: u64| without.components_of(node);
-            let terms =
-                integrate(&mesh, &sides, (dim, &fixed)).expect("sides that cover each other");
-            let nodes: Vec<(u64, usize)> = mesh
-                .nodes
-                .iter()
-                .filter(|n| sides[0].is_secondary(&column, **n))
-                .map(|n| (*n, 0))
-                .collect();
-            for jump in sum(terms, &sides, &nodes, &mesh.nodes) {
-                for (c, row) in jump.rows.iter().enumerate() {
-                    let Some(row) = row else { continue };
-                    let own = (jump.node, row.own * row.weight);
-                    let others = row.others.iter().map(|(n, a)| (*n, a * row.weight));
-                    rows.push((others.chain([own]).collect(), c, row.weight));
-                }
-            }
+            dual_rows(&mesh, side, &Prescribed::new(&free))
         }
-        Multipliers::ConstantOnFacets => {
-            let n = column.extent(sides[0].secondary.body);
-            let facets = (0..n[1]).flat_map(|j| (0..n[0]).map(move |i| [i, j]));
-            for at in facets {
-                let area = 1.0 / (n[0] * n[1]) as f64;
-                let mut row = Vec::new();
-                for (side, sign) in [(sides[0].secondary, 1.0), (sides[0].primary, -1.0)] {
-                    let nodes = column.facet_nodes(side, at);
-                    let part = sign * area / nodes.len() as f64;
-                    row.extend(nodes.into_iter().map(|node| (node, part)));
-                }
-                rows.extend((0..dim).map(|c| (row.clone(), c, area)));
-            }
-        }
-    }
+        Multipliers::ConstantOnFacets => constant_rows(&mesh, side),
+    };
     let h = 1.0 / bodies.iter().map(|(n, order)| n * order).max().expect("two bodies") as f64;
     let mut b = DMatrix::zeros(numbers.count, rows.len());
     for (index, (row, c, weight)) in rows.iter().enumerate() {
         // Scaled so that h W becomes the identity.
         let scale = (h * weight).sqrt();
         for (node, value) in row {
-            if let Some(unknown) = numbers.get(&mesh, *node, *c) {
+            if let Some(unknown) = numbers.get(*node, *c) {
                 b[(unknown, index)] += value / scale;
             }
         }
@@ -184,6 +150,43 @@ fn eigenvalues(
     let cholesky = k.cholesky().expect("bodies that are held");
     let energy = b.transpose() * cholesky.solve(&b);
     SymmetricEigen::new(energy).eigenvalues
+}
+
+/// The rows of our multipliers, without those of prescribed components.
+fn dual_rows(mesh: &LocalMesh, side: Sides, prescribed: &Prescribed) -> Vec<Row> {
+    let number = |name: u64| mesh.nodes.number(name).expect("a node of the mesh");
+    let fixed = |name: u64| prescribed.components_of(&mesh.nodes.marks[number(name)]);
+    let terms = integrate(mesh, &[side], (mesh.dim(), &fixed)).expect("sides that cover");
+    let own = mesh.nodes.iter().filter(|(_, _, marks)| side.is_secondary(marks));
+    let nodes: Vec<(u64, usize)> = own.map(|(name, ..)| (name, 0)).collect();
+    let mut rows: Vec<Row> = Vec::new();
+    for jump in sum(terms, &[side], &nodes, &mesh.nodes.names) {
+        for (c, row) in jump.rows.iter().enumerate() {
+            let Some(row) = row else { continue };
+            let own = (number(jump.node), row.own * row.weight);
+            let others = row.others.iter().map(|(n, a)| (number(*n), a * row.weight));
+            rows.push((others.chain([own]).collect(), c, row.weight));
+        }
+    }
+    rows
+}
+
+/// The rows of multipliers that are constant on facets; both sides have the same facets in the same
+/// order.
+fn constant_rows(mesh: &LocalMesh, side: Sides) -> Vec<Row> {
+    let [secondary, primary] = [side.secondary, side.primary()].map(|lip| mesh.on_lip(0, lip));
+    let area = 1.0 / secondary.len() as f64;
+    let mut rows: Vec<Row> = Vec::new();
+    for facets in secondary.iter().zip(primary) {
+        let mut row = Vec::new();
+        for (facet, sign) in [(facets.0, 1.0), (facets.1, -1.0)] {
+            let nodes = mesh.facet_nodes(*facet).1;
+            let part = sign * area / nodes.len() as f64;
+            row.extend(nodes.into_iter().map(|node| (node as usize, part)));
+        }
+        rows.extend((0..mesh.dim()).map(|c| (row.clone(), c, area)));
+    }
+    rows
 }
 
 /// The constants over levels of refinement.

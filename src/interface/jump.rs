@@ -11,7 +11,7 @@ use super::sides::Sides;
 use crate::comm::Comm;
 use crate::element::Shape;
 use crate::error::Result;
-use crate::mesh::{Column, Facets, LocalMesh};
+use crate::mesh::LocalMesh;
 use crate::space::Directory;
 
 /// The jump of one component at one secondary node.
@@ -121,7 +121,7 @@ pub fn jump_rows(
     let nodes: Vec<(u64, usize)> = mesh
         .nodes
         .iter()
-        .filter_map(|n| Some((*n, sides.iter().position(|s| s.is_secondary(&mesh.column, *n))?)))
+        .filter_map(|(n, _, marks)| Some((n, sides.iter().position(|s| s.is_secondary(marks))?)))
         .collect();
     let received = send_to_owners(comm, directory, &terms);
     let mut rows = sum(received, sides, &nodes, &directory.owned);
@@ -138,17 +138,18 @@ pub(super) fn integrate(
     sides: &[Sides],
     (components, fixed): (usize, &dyn Fn(u64) -> [bool; 3]),
 ) -> Result<Vec<Term>> {
-    let column = &mesh.column;
     let mut terms = Vec::new();
-    for cell in &mesh.cells {
-        let place = column.cell_place(*cell);
-        for side in sides.iter().filter(|s| s.cell_is_secondary(column, place)) {
-            let secondary = plane_facet(column, side.secondary, [place.at[0], place.at[1]]);
-            let [low, high] = secondary.bounds();
-            let primary: Vec<PlaneFacet> = column
-                .facets_over(side.primary, low, high)
-                .into_iter()
-                .map(|at| plane_facet(column, side.primary, at))
+    for side in sides {
+        for facet in mesh.on_lip(side.interface, side.secondary) {
+            let (shape, nodes) = mesh.lip_nodes(side.secondary, *facet);
+            let names: Vec<u64> =
+                nodes.iter().map(|node| mesh.nodes.names[*node as usize]).collect();
+            let points = nodes.iter().map(|node| mesh.nodes.points[*node as usize]);
+            let secondary = plane_facet(shape, &names, points);
+            let primary: Vec<PlaneFacet> = mesh
+                .across(side.interface, side.secondary, *facet)
+                .iter()
+                .map(|far| plane_facet(far.shape, &far.nodes, far.points.iter().copied()))
                 .collect();
             let primary: Vec<&PlaneFacet> = primary.iter().collect();
             for row in facet_rows(&secondary, &primary, &dropped(&secondary, components, fixed))? {
@@ -169,16 +170,10 @@ pub(super) fn integrate(
     Ok(terms)
 }
 
-/// A facet of the lattice in the plane of its interface.
-fn plane_facet(column: &Column, face: Facets, at: [usize; 2]) -> PlaneFacet {
-    let nodes = column.facet_nodes(face, at);
-    let shape = Shape::of(column.dim - 1, column.order(face.body));
-    let corner = |node: &u64| {
-        let [x, y, _] = column.point(*node);
-        [x, y]
-    };
-    let corners: Vec<[f64; 2]> = nodes[..shape.corners().nodes()].iter().map(corner).collect();
-    PlaneFacet::new(shape, &nodes, &corners)
+/// A facet in the plane of its interface.
+fn plane_facet(shape: Shape, names: &[u64], points: impl Iterator<Item = [f64; 3]>) -> PlaneFacet {
+    let corners = points.take(shape.corners().nodes()).map(|[x, y, _]| [x, y]);
+    PlaneFacet::new(shape, names, &corners.collect::<Vec<_>>())
 }
 
 /// Per component, the nodes of a facet that carry no multiplier, one bit each.

@@ -1,15 +1,15 @@
 //! Which side of an interface carries the multipliers.
 
-use crate::case::{Case, Side};
-use crate::mesh::{CellPlace, Column, Facets};
+use crate::case::{Case, InterfaceSpec, Side};
+use crate::mesh::{Lip, LipFacts, Marks, MeshFacts};
 
-/// The two sides of one interface.
+/// The two sides of one interface: which lip is which.
 #[derive(Debug, Clone, Copy)]
 pub struct Sides {
-    /// The side that carries the multipliers.
-    pub secondary: Facets,
-    /// The other side.
-    pub primary: Facets,
+    /// The interface, by its index.
+    pub interface: usize,
+    /// The lip that carries the multipliers.
+    pub secondary: Lip,
 }
 
 impl Sides {
@@ -17,55 +17,46 @@ impl Sides {
     /// else the one with more nodes, else the upper one.
     ///
     /// A stiff and coarse secondary side makes the condensed matrix harder for multigrid.
-    pub fn choose(case: &Case, column: &Column) -> Vec<Self> {
-        let choose = |(index, interface): (usize, &crate::case::InterfaceSpec)| {
-            let lower = Facets { body: index, upper: true };
-            let upper = Facets { body: index + 1, upper: false };
-            let about = |face: Facets| {
-                let (size, material) = column.cell_size(column.facet_cell(face, [0, 0]));
-                let order = column.order(face.body) as f64;
-                let nodal = size[0] * size[1] / order.powi(column.dim as i32 - 1);
-                (case.materials[material].young_modulus, nodal)
+    pub fn choose(case: &Case, mesh: &MeshFacts) -> Vec<Self> {
+        let choose = |(interface, spec): (usize, &InterfaceSpec)| {
+            let about = |lip: &LipFacts| {
+                let nodal =
+                    lip.cell[0] * lip.cell[1] / (lip.order as f64).powi(mesh.dim as i32 - 1);
+                (case.materials[lip.material].young_modulus, nodal)
             };
-            let (below, above) = (about(lower), about(upper));
+            let [below, above] = mesh.interfaces[interface].each_ref().map(about);
             let lower_is_softer_or_finer =
                 below.0 < above.0 || (below.0 == above.0 && below.1 < above.1 * (1.0 - 1e-9));
-            match interface.secondary {
-                Some(Side::Lower) => Self { secondary: lower, primary: upper },
-                None if lower_is_softer_or_finer => Self { secondary: lower, primary: upper },
-                _ => Self { secondary: upper, primary: lower },
-            }
+            let secondary = match spec.secondary {
+                Some(Side::Lower) => Lip::Lower,
+                None if lower_is_softer_or_finer => Lip::Lower,
+                _ => Lip::Upper,
+            };
+            Self { interface, secondary }
         };
         case.interfaces.iter().enumerate().map(choose).collect()
     }
 
+    /// The lip that carries no multipliers.
+    pub fn primary(&self) -> Lip {
+        self.secondary.other()
+    }
+
     /// Sign of the secondary displacement in the jump (upper minus lower).
     pub fn sign(&self) -> f64 {
-        if self.secondary.upper { -1.0 } else { 1.0 }
+        match self.secondary {
+            Lip::Lower => -1.0,
+            Lip::Upper => 1.0,
+        }
     }
 
     /// Whether a node lies on the secondary side.
-    pub fn is_secondary(&self, column: &Column, node: u64) -> bool {
-        column.is_on(self.secondary, node)
+    pub fn is_secondary(&self, node: &Marks) -> bool {
+        node.is_lip(self.interface, self.secondary)
     }
 
-    /// Whether a cell has a facet on the secondary side.
-    pub fn cell_is_secondary(&self, column: &Column, place: CellPlace) -> bool {
-        column.facet_cell(self.secondary, [place.at[0], place.at[1]]) == place
-    }
-
-    /// The cells of the primary side that face a cell of the secondary side.
-    pub fn facing_cells(&self, column: &Column, place: CellPlace) -> Vec<u64> {
-        let nodes = column.facet_nodes(self.secondary, [place.at[0], place.at[1]]);
-        let corners = nodes.iter().map(|n| column.point(*n));
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for corner in corners {
-            for axis in 0..2 {
-                low[axis] = low[axis].min(corner[axis]);
-                high[axis] = high[axis].max(corner[axis]);
-            }
-        }
-        let facing = column.facets_over(self.primary, low, high).into_iter();
-        facing.map(|at| column.cell(column.facet_cell(self.primary, at))).collect()
+    /// The secondary lip in numbers.
+    pub fn secondary_facts<'m>(&self, mesh: &'m MeshFacts) -> &'m LipFacts {
+        &mesh.interfaces[self.interface][self.secondary.index()]
     }
 }

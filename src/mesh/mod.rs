@@ -1,17 +1,20 @@
-//! The mesh of a column: a lattice of boxes per body, and the part of it that a rank holds.
+//! Meshes: what is known of the whole one, the nested levels of it, and the part of each that a
+//! rank holds, as arrays.
 //!
-//! Bodies are separate lattices: the two sides of an interface never share a node. Cells and nodes
-//! are named by numbers that follow from their place in the lattice, so a name means the same on
-//! every rank, on any number of ranks, and a refined mesh needs no numbering of its own.
+//! The two sides of an interface never share a node. A name of a cell or node means the same on
+//! every rank, on any number of ranks. Only this module and `reduce` know that there are lattices.
 
-mod coarsen;
-mod column;
+mod facts;
+mod family;
+mod lattice;
 mod local;
-mod nodes;
+mod marks;
 
-pub use column::{CellPlace, Column, Facets, Layer};
-pub use local::{LocalMesh, Prototype};
-pub use nodes::{NodePlace, Surfaces};
+pub use facts::{DualGraph, LipFacts, MeshFacts};
+pub use family::MeshFamily;
+pub use lattice::{CellPlace, Column, NodePlace};
+pub use local::{Facet, FarFacet, Interpolation, LocalMesh, Places, Prototype};
+pub use marks::{Lip, Marks};
 
 /// The coordinate axes of the displacement components: x, z in 2D and x, y, z in 3D.
 pub fn axes(dim: usize) -> &'static [usize] {

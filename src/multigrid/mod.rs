@@ -1,4 +1,4 @@
-//! Geometric multigrid over nested lattices, with the interfaces on every level.
+//! Geometric multigrid over nested meshes, with the interfaces on every level.
 //!
 //! Each level has its own cells, mortar operators and tangent: the same condensed form, with the
 //! state of the interfaces brought down from the level above. All levels but the coarsest are
@@ -12,7 +12,7 @@ use std::rc::Rc;
 use crate::assembly::{Discretization, NodeState, Pattern, Tangent, TangentOperator};
 use crate::comm::Comm;
 use crate::error::Result;
-use crate::mesh::Column;
+use crate::mesh::Interpolation;
 use crate::petsc::{Matrix, MultigridLevel, Petsc, Smoother};
 
 pub use spectrum::largest_eigenvalue;
@@ -20,6 +20,15 @@ pub use transfer::Transfer;
 
 /// Part of the spectrum over the diagonal that the smoother damps, from its upper end.
 const DAMPED: f64 = 0.09;
+
+/// A discretisation, and how its owned nodes depend on those of the next coarser level; on the
+/// coarsest level they depend on none.
+pub struct Level {
+    /// Cells, nodes, rows.
+    pub all: Rc<Discretization>,
+    /// In the order of the owned nodes.
+    pub interpolation: Interpolation,
+}
 
 /// The levels below the finest, coarsest first, and what joins them.
 pub struct Hierarchy {
@@ -37,17 +46,13 @@ pub struct Hierarchy {
 }
 
 impl Hierarchy {
-    /// From the discretisations of nested lattices, coarsest first; at least one. Collective.
+    /// From the discretisations of nested meshes, coarsest first; at least one. Collective.
     ///
     /// # Errors
     /// `System` when PETSc fails.
-    pub fn new(
-        comm: &Comm,
-        petsc: &Petsc,
-        levels: Vec<(Column, Rc<Discretization>)>,
-    ) -> Result<Self> {
-        let (mut columns, mut operators, mut largest) = (Vec::new(), Vec::new(), Vec::new());
-        for (column, all) in levels {
+    pub fn new(comm: &Comm, petsc: &Petsc, levels: Vec<Level>) -> Result<Self> {
+        let (mut stencils, mut operators, mut largest) = (Vec::new(), Vec::new(), Vec::new());
+        for Level { all, interpolation } in levels {
             let mut diagonal = [all.cells.largest_diagonal()];
             comm.max(&mut diagonal);
             let operator = Rc::new(TangentOperator::new(all, diagonal[0]));
@@ -55,7 +60,7 @@ impl Hierarchy {
                 largest.push(largest_eigenvalue(comm, &operator));
             }
             operators.push(operator);
-            columns.push(column);
+            stencils.push(interpolation);
         }
         let all = operators[0].discretization();
         let pattern = Pattern::new(comm, all);
@@ -66,12 +71,9 @@ impl Hierarchy {
         let mut transfers = Vec::new();
         for level in 1..operators.len() {
             let (coarse, fine) = (&operators[level - 1], &operators[level]);
-            let transfer = Rc::new(Transfer::new(
-                Rc::clone(fine),
-                Rc::clone(coarse),
-                &columns[level],
-                &columns[level - 1],
-            ));
+            let stencil = std::mem::take(&mut stencils[level]);
+            let transfer = Transfer::new(Rc::clone(fine), Rc::clone(coarse), stencil);
+            let transfer = Rc::new(transfer);
             let unknowns = |o: &TangentOperator| {
                 let all = o.discretization();
                 all.nodes.owned * all.dim

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use crate::assembly::{Discretization, NodeState, TangentOperator};
-use crate::mesh::{Column, NodePlace, axes};
+use crate::mesh::Interpolation;
 use crate::petsc::LinearOperator;
 
 /// Numbers of a node's share in the state of a coarse node: marks of stuck components, weighted
@@ -29,32 +29,23 @@ pub struct Transfer {
 }
 
 impl Transfer {
-    /// Between operators on nested lattices. Every fine node lies in a coarse cell of this rank.
+    /// Between operators on nested meshes. Every fine node lies in a coarse cell of this rank.
     pub fn new(
         fine: Rc<TangentOperator>,
         coarse: Rc<TangentOperator>,
-        fine_column: &Column,
-        coarse_column: &Column,
+        interpolation: Interpolation,
     ) -> Self {
-        let (mut start, mut node, mut weight) = (vec![0], Vec::new(), Vec::new());
-        {
-            let (fine, coarse) = (fine.discretization(), coarse.discretization());
-            for name in &fine.nodes.names[..fine.nodes.owned] {
-                for (parent, part) in parents(fine_column, coarse_column, *name) {
-                    let local = coarse.nodes.local(parent);
-                    node.push(local.expect("the coarse cell around a fine node is held"));
-                    weight.push(part);
-                }
-                start.push(node.len() as u32);
-            }
-        }
+        let Interpolation { start, names, weights } = interpolation;
+        let held = "the coarse cell around a fine node is held";
+        let nodes = &coarse.discretization().nodes;
+        let node = names.iter().map(|name| nodes.local(*name).expect(held)).collect();
         let zero = vec![0.0; coarse.unknowns_held()];
         let work = RefCell::new([zero.clone(), zero]);
         let residual = {
             let fine = fine.discretization();
             RefCell::new(vec![0.0; fine.nodes.owned * fine.dim])
         };
-        Self { fine, coarse, start, node, weight, work, residual }
+        Self { fine, coarse, start, node, weight: weights, work, residual }
     }
 
     /// Owned unknowns of the fine and of the coarse level.
@@ -136,23 +127,6 @@ fn coarse_state(
         }
     }
     state
-}
-
-/// The nodes of the coarse lattice that a fine node depends on, with their weights.
-fn parents(fine: &Column, coarse: &Column, name: u64) -> Vec<(u64, f64)> {
-    let place = fine.node_place(name);
-    let (low, fraction) = coarse.place_in(fine, place);
-    let mut list = vec![(low, 1.0)];
-    for axis in axes(fine.dim).iter().copied().filter(|axis| fraction[*axis] > 0.0) {
-        for i in 0..list.len() {
-            let (mut upper, weight) = list[i];
-            upper[axis] += 1;
-            list.push((upper, weight * fraction[axis]));
-            list[i].1 = weight * (1.0 - fraction[axis]);
-        }
-    }
-    let name = |at| coarse.node(NodePlace { body: place.body, at });
-    list.into_iter().map(|(at, weight)| (name(at), weight)).collect()
 }
 
 impl LinearOperator for Transfer {

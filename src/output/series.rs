@@ -6,11 +6,11 @@
 
 use std::path::PathBuf;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::finite::check_fields;
 use super::publisher::Publisher;
-use super::vtkhdf::{Data, Grid, write_data, write_grid};
+use super::vtkhdf::{Data, Grid, StoredGrid, write_data, write_grid};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
 
@@ -19,7 +19,7 @@ use crate::error::{Error, Result};
 pub struct Series {
     directory: PathBuf,
     name: String,
-    files: Vec<Instant>,
+    files: Vec<Entry>,
     /// The file with the grid, once it is written.
     mesh: Option<String>,
 }
@@ -33,8 +33,31 @@ pub struct Fixed<'a> {
     pub data: Data<'a>,
 }
 
+/// An instant of which there are fields.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(from = "(usize, f64)", into = "(usize, f64)")]
+pub struct Instant {
+    /// The number in the names of its files.
+    pub step: usize,
+    /// s
+    pub time: f64,
+}
+
+impl From<(usize, f64)> for Instant {
+    fn from((step, time): (usize, f64)) -> Self {
+        Self { step, time }
+    }
+}
+
+impl From<Instant> for (usize, f64) {
+    fn from(Instant { step, time }: Instant) -> Self {
+        (step, time)
+    }
+}
+
+/// The file of an instant, as the index names it.
 #[derive(Debug, Clone, Serialize)]
-struct Instant {
+struct Entry {
     name: String,
     time: f64,
 }
@@ -43,7 +66,7 @@ struct Instant {
 struct Index<'a> {
     #[serde(rename = "file-series-version")]
     version: &'static str,
-    files: &'a [Instant],
+    files: &'a [Entry],
 }
 
 impl Series {
@@ -52,13 +75,12 @@ impl Series {
         Self { directory, name: name.to_string(), files: Vec::new(), mesh: None }
     }
 
-    /// A series that goes on: `written` are the steps and times of an earlier run, of which those
-    /// whose file is there stay in it. The grid is written anew, since other ranks number it
-    /// otherwise.
-    pub fn resume(directory: PathBuf, name: &str, written: &[(usize, f64)]) -> Self {
+    /// A series that goes on: `written` are the instants of an earlier run, of which those whose
+    /// file is there stay in it. The grid is written anew, since other ranks number it otherwise.
+    pub fn resume(directory: PathBuf, name: &str, written: &[Instant]) -> Self {
         let mut series = Self::new(directory, name);
-        let file = |(step, time): &(usize, f64)| Instant { name: series.file(*step), time: *time };
-        let there = |i: &Instant| series.directory.join(&i.name).is_file();
+        let file = |of: &Instant| Entry { name: series.file(of.step), time: of.time };
+        let there = |entry: &Entry| series.directory.join(&entry.name).is_file();
         let files = written.iter().map(file).filter(there).collect();
         series.files = files;
         series
@@ -71,8 +93,6 @@ impl Series {
     /// Writes one instant, then the index with it; the grid and what never changes once, before.
     ///
     /// # Arguments
-    /// * `step` number in the file's name
-    /// * `time` in s
     /// * `fixed` the same at every instant
     ///
     /// # Errors
@@ -84,10 +104,11 @@ impl Series {
         &mut self,
         comm: &Comm,
         publisher: &mut Publisher,
-        (step, time): (usize, f64),
+        instant: Instant,
         fixed: Fixed,
         data: Data,
     ) -> Result<()> {
+        let Instant { step, time } = instant;
         let Fixed { grid, data: known } = fixed;
         let path = self.directory.join(self.file(step));
         comm.agree(check_fields(&path, time, grid, known, data))?;
@@ -102,8 +123,9 @@ impl Series {
                 self.mesh.insert(mesh).clone()
             }
         };
-        write_data(comm, publisher, &path, (&mesh, grid, known), data)?;
-        self.files.push(Instant { name: self.file(step), time });
+        let grid = StoredGrid { file: &mesh, grid, data: known };
+        write_data(comm, publisher, &path, grid, data)?;
+        self.files.push(Entry { name: self.file(step), time });
         comm.agree(if comm.is_root() { self.write_index(publisher) } else { Ok(()) })
     }
 

@@ -41,6 +41,17 @@ pub struct Grid<'a> {
     pub shapes: &'a [Shape],
 }
 
+/// A grid in another file of the same directory.
+#[derive(Debug, Clone, Copy)]
+pub struct StoredGrid<'a> {
+    /// Name of the file.
+    pub file: &'a str,
+    /// The grid.
+    pub grid: &'a Grid<'a>,
+    /// What does not change, in the same file.
+    pub data: Data<'a>,
+}
+
 /// What the datasets of a grid are called, counts first.
 const GRID: [&str; 7] = [
     "NumberOfPoints",
@@ -143,8 +154,7 @@ pub fn write_grid(
     })
 }
 
-/// Writes data on a grid that is in another file of the same directory, named `mesh`, with what
-/// does not change: `fixed` is the data there. The new file links to all of it.
+/// Writes data on a grid that is in another file. The new file links to all of that.
 ///
 /// # Errors
 /// As [`write_grid`].
@@ -155,13 +165,14 @@ pub fn write_data(
     comm: &Comm,
     publisher: &mut Publisher,
     path: &Path,
-    (mesh, grid, fixed): (&str, &Grid, Data),
+    stored: StoredGrid,
     data: Data,
 ) -> Result<()> {
+    let StoredGrid { file, grid, data: fixed } = stored;
     let writer = GridWriter::new(comm, path, grid);
     comm.agree(check(grid, writer.points.total, data))?;
     let link = |group: &Group, place: &str, name: &str| {
-        writer.file.agreed(group.link_external(mesh, &format!("{place}/{name}"), name))
+        writer.file.agreed(group.link_external(file, &format!("{place}/{name}"), name))
     };
     writer.write(publisher, writer.size_of(data), |file, group| {
         for name in GRID {

@@ -20,13 +20,21 @@ pub(super) fn look(count: usize, join: bool) -> Look {
     }
 }
 
+/// What is laid along an axis.
+pub(super) struct Axis<'a> {
+    pub words: &'a str,
+    pub unit: &'a Unit,
+}
+
+impl Axis<'_> {
+    fn label(&self) -> String {
+        self.unit.label(self.words)
+    }
+}
+
 /// Numbers of all lines, scaled by units, in one pair of axes.
-pub(super) fn panel(
-    lines: Vec<Line>,
-    (x_words, x_unit): (&str, &Unit),
-    (y_words, y_unit): (&str, &Unit),
-) -> Panel {
-    let scaled = |(x, y): &(f64, f64)| (x_unit.number(*x), y_unit.number(*y));
+pub(super) fn panel(lines: Vec<Line>, x_axis: Axis<'_>, y_axis: Axis<'_>) -> Panel {
+    let scaled = |(x, y): &(f64, f64)| (x_axis.unit.number(*x), y_axis.unit.number(*y));
     let lines: Vec<Line> = lines
         .into_iter()
         .map(|line| Line { points: line.points.iter().map(scaled).collect(), ..line })
@@ -35,8 +43,8 @@ pub(super) fn panel(
     Panel {
         x: Scale::over(points().map(|p| p.0), false),
         y: Scale::over(points().map(|p| p.1), false),
-        x_label: x_unit.label(x_words),
-        y_label: y_unit.label(y_words),
+        x_label: x_axis.label(),
+        y_label: y_axis.label(),
         lines,
         front: Vec::new(),
     }

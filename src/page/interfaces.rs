@@ -1,12 +1,11 @@
 //! Charts of interfaces.
 
-use super::figures::{COMPUTED, in_pairs, look, numbers, panel};
-use super::law_path::{Curve, Mean, along, first_loading};
+use super::figures::{Axis, COMPUTED, in_pairs, look, numbers, panel};
+use super::law_path::{Curve, Joint, Mean, Range, along, first_loading};
 use super::words::{Unit, column, in_words, number};
 use super::{Charts, Figure, Run};
 use crate::case::InterfaceSpec;
 use crate::chart::{Line, Look, Panel};
-use crate::law::InterfaceLaw;
 
 /// Interfaces that are drawn; a case may have a thousand.
 const MOST_INTERFACES: usize = 16;
@@ -53,7 +52,8 @@ fn of_interface(run: &Run<'_>, interface: &InterfaceSpec) -> Vec<Figure> {
     let stiffness =
         run.case.materials.first().map_or(1.0, |m| m.young_modulus) / run.case.mesh.height();
     let dim = run.case.dim;
-    let paths = along(law, &means, stiffness, dim);
+    let joint = Joint { law, stiffness, dim };
+    let paths = along(joint, &means);
     let most = |c: usize| means.iter().map(|m| m.jump[c].abs()).fold(0.0, f64::max);
     let typical = law.typical_jump().unwrap_or_else(|| (0..3).map(most).fold(1e-9, f64::max));
     let moving = (1..dim).filter(|c| most(*c) > MOVES * typical);
@@ -64,7 +64,7 @@ fn of_interface(run: &Run<'_>, interface: &InterfaceSpec) -> Vec<Figure> {
             let measured: Curve =
                 means.iter().map(|m| (m.jump[component], m.traction[component])).collect();
             let curves = Curves { measured, path: &paths[component], component };
-            curves.panel(law, (stiffness, dim), effective)
+            curves.panel(joint, effective)
         })
         .collect();
     let index = run.case.interfaces.iter().position(|i| i.name == interface.name);
@@ -107,24 +107,20 @@ struct Curves<'a> {
 }
 
 impl Curves<'_> {
-    fn panel(
-        self,
-        law: &dyn InterfaceLaw,
-        (stiffness, dim): (f64, usize),
-        effective: bool,
-    ) -> Panel {
+    fn panel(self, joint: Joint<'_>, effective: bool) -> Panel {
         let Self { measured, path, component } = self;
         let most = |pick: fn(&(f64, f64)) -> f64| measured.iter().map(pick).fold(0.0, f64::max);
         let least = |pick: fn(&(f64, f64)) -> f64| measured.iter().map(pick).fold(0.0, f64::min);
         let largest = most(|p| p.0.abs());
-        let reach = reach(law, component, stiffness, dim).unwrap_or(0.0).max(1.05 * largest);
+        let reach = reach(joint, component).unwrap_or(0.0).max(1.05 * largest);
         let low = if component == 0 { least(|p| p.1) } else { least(|p| p.0) };
         // Less is rounding.
         let low = if component > 0 && low > -MOVES * reach { 0.0 } else { low };
-        let first =
-            first_loading(law, component, (low, 1.05 * most(|p| p.1)), reach, (stiffness, dim));
+        let range = Range { low, high: 1.05 * most(|p| p.1), reach };
+        let first = first_loading(joint, component, range);
         let every = || measured.iter().chain(&first).chain(path);
-        let (x, y) = (Unit::of("m", every().map(|p| p.0)), Unit::of("Pa", every().map(|p| p.1)));
+        let x_unit = Unit::of("m", every().map(|p| p.0));
+        let y_unit = Unit::of("Pa", every().map(|p| p.1));
         let look = look(measured.len(), false);
         let lines = vec![
             Line::new("law on the path", path.clone(), Some(LAW), Look::Band),
@@ -139,16 +135,19 @@ impl Curves<'_> {
             let axis = ["", "x", "y"][component];
             format!("{what} along {axis}")
         };
-        match component {
-            0 => panel(lines, ("normal jump", &x), (normal, &y)),
-            _ => panel(lines, (&tangent("sliding"), &x), (&tangent("shear traction"), &y)),
-        }
+        let (x, y) = match component {
+            0 => ("normal jump".to_owned(), normal.to_owned()),
+            _ => (tangent("sliding"), tangent("shear traction")),
+        };
+        let x_axis = Axis { words: &x, unit: &x_unit };
+        panel(lines, x_axis, Axis { words: &y, unit: &y_unit })
     }
 }
 
 /// The jump up to which a law is drawn: all of one that ends, and of one that fades what can be
 /// seen.
-fn reach(law: &dyn InterfaceLaw, component: usize, stiffness: f64, dim: usize) -> Option<f64> {
+fn reach(joint: Joint<'_>, component: usize) -> Option<f64> {
+    let Joint { law, stiffness, dim } = joint;
     let (end, typical) = law.jump_scale().zip(law.typical_jump())?;
     let mut reach = end.min(4.0 * typical);
     // Its scale may be that of another mode.

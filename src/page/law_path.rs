@@ -15,18 +15,33 @@ pub(super) struct Mean {
 /// Jumps (m) and tractions (Pa) of one component.
 pub(super) type Curve = Vec<(f64, f64)>;
 
+/// A law between bodies.
+#[derive(Clone, Copy)]
+pub(super) struct Joint<'a> {
+    pub law: &'a dyn InterfaceLaw,
+    /// Of the bodies, E over a length (Pa/m).
+    pub stiffness: f64,
+    /// 2 or 3.
+    pub dim: usize,
+}
+
+/// How far one component is loaded.
+pub(super) struct Range {
+    /// The least traction (Pa), not positive.
+    pub low: f64,
+    /// The largest traction (Pa), or that at the jump `reach` (m) if it is larger.
+    pub high: f64,
+    pub reach: f64,
+}
+
 /// Samples of the whole path, and the fewest between two instants.
 const SAMPLES: usize = 4000;
 const FEWEST: usize = 4;
 
 /// The law's answer where the augmented traction t + r w goes in straight lines from mean to mean,
 /// for each component. An interface that opens evenly lies on it at every instant.
-pub(super) fn along(
-    law: &dyn InterfaceLaw,
-    means: &[Mean],
-    stiffness: f64,
-    dim: usize,
-) -> [Curve; 3] {
+pub(super) fn along(joint: Joint<'_>, means: &[Mean]) -> [Curve; 3] {
+    let Joint { law, stiffness, dim } = joint;
     let r = law.augmentation(stiffness);
     let steps = (SAMPLES / means.len().max(1)).max(FEWEST);
     let mut curves: [Curve; 3] = std::array::from_fn(|_| vec![(0.0, 0.0)]);
@@ -70,16 +85,12 @@ fn history_of(law: &dyn InterfaceLaw, history: f64, damage: f64) -> f64 {
     high
 }
 
-/// The law where one component alone is loaded for the first time, from the traction `low`, not
-/// positive, up to the jump `reach` or the traction `high`. The normal component is in contact
-/// below zero; a tangential one is the same both ways, and taken so where `low` is negative.
-pub(super) fn first_loading(
-    law: &dyn InterfaceLaw,
-    component: usize,
-    (low, high): (f64, f64),
-    reach: f64,
-    (stiffness, dim): (f64, usize),
-) -> Curve {
+/// The law where one component alone is loaded for the first time. The normal component is in
+/// contact below zero; a tangential one is the same both ways, and taken so where the least
+/// traction is negative.
+pub(super) fn first_loading(joint: Joint<'_>, component: usize, range: Range) -> Curve {
+    let Joint { law, stiffness, dim } = joint;
+    let Range { low, high, reach } = range;
     let r = law.augmentation(stiffness);
     let most = high.max(r * reach);
     let mut loads: Vec<f64> = (0..=SAMPLES).map(|i| most * i as f64 / SAMPLES as f64).collect();
@@ -113,6 +124,8 @@ mod tests {
     const LAW: LinearSoftening =
         LinearSoftening { strength: 1.1e6, fracture_energy: 900.0, augmentation: 10.0 };
 
+    const JOINT: Joint<'_> = Joint { law: &LAW, stiffness: 1e9, dim: 3 };
+
     fn critical_jump() -> f64 {
         2.0 * LAW.fracture_energy / LAW.strength
     }
@@ -130,7 +143,7 @@ mod tests {
         // The last was opened further on the way than it is.
         let means =
             [mean(2e-4, 2e-4 / critical), mean(1e-4, 2e-4 / critical), mean(5e-4, 9e-4 / critical)];
-        let curve = &along(&LAW, &means, 1e9, 3)[0];
+        let curve = &along(JOINT, &means)[0];
         for mean in means {
             let at = (mean.jump[0], mean.traction[0]);
             let near = |p: &&(f64, f64)| {
@@ -143,12 +156,12 @@ mod tests {
     #[test]
     fn first_loading_has_the_corner_and_the_end() {
         let reach = 1.1 * critical_jump();
-        let curve = first_loading(&LAW, 0, (-1e5, 0.0), reach, (1e9, 3));
+        let curve = first_loading(JOINT, 0, Range { low: -1e5, high: 0.0, reach });
         assert_eq!(curve[0], (0.0, -1e5));
         assert!(curve.contains(&(0.0, 1.1e6)));
         let last = curve[curve.len() - 1];
         assert!((last.0 - reach).abs() < 1e-12 && last.1.abs() < 1e-6, "{last:?}");
-        let both = first_loading(&LAW, 1, (-1.0, 1.0), reach, (1e9, 3));
+        let both = first_loading(JOINT, 1, Range { low: -1.0, high: 1.0, reach });
         assert!((both[0].0 + reach).abs() < 1e-12);
     }
 }

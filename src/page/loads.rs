@@ -1,6 +1,6 @@
 //! Charts of loads over displacements.
 
-use super::figures::{COMPUTED, in_pairs, look, numbers, panel};
+use super::figures::{Axis, COMPUTED, in_pairs, look, numbers, panel};
 use super::law_path::Curve;
 use super::words::{Unit, column, number, pairs};
 use super::{Charts, Run};
@@ -39,8 +39,8 @@ pub(super) fn charts(run: &Run<'_>) -> Charts {
             continue;
         }
         let from_rest = imposed.first == 0.0 && !case.has_pressure();
-        let x = (format!("displacement {axis} of {surface}"), "m");
-        let y = (format!("reaction {axis} of {surface}"), force);
+        let x = Quantity { words: format!("displacement {axis} of {surface}"), base: "m" };
+        let y = Quantity { words: format!("reaction {axis} of {surface}"), base: force };
         panels.push(curve(points, from_rest, x, y));
     }
     let by_displacement = !panels.is_empty();
@@ -79,23 +79,25 @@ fn largest_reaction(run: &Run<'_>) -> f64 {
     values.map(f64::abs).fold(0.0, f64::max)
 }
 
+/// A quantity in words, and its unit without prefixes.
+struct Quantity {
+    words: String,
+    base: &'static str,
+}
+
 /// A curve through the instants, and `from_rest` through the undeformed state, which the history
 /// leaves out.
-fn curve(
-    mut points: Curve,
-    from_rest: bool,
-    (x_words, x_base): (String, &str),
-    (y_words, y_base): (String, &str),
-) -> Panel {
+fn curve(mut points: Curve, from_rest: bool, x: Quantity, y: Quantity) -> Panel {
     if from_rest {
         points.insert(0, (0.0, 0.0));
     }
-    let x = Unit::of(x_base, points.iter().map(|p| p.0));
-    let y = Unit::of(y_base, points.iter().map(|p| p.1));
+    let x_unit = Unit::of(x.base, points.iter().map(|p| p.0));
+    let y_unit = Unit::of(y.base, points.iter().map(|p| p.1));
     let look = look(points.len(), true);
     let labels = numbers(if from_rest { 0 } else { 1 }, points.len());
     let line = Line { labels, ..Line::new("", points, Some(COMPUTED), look) };
-    panel(vec![line], (&x_words, &x), (&y_words, &y))
+    let x_axis = Axis { words: &x.words, unit: &x_unit };
+    panel(vec![line], x_axis, Axis { words: &y.words, unit: &y_unit })
 }
 
 /// Whether a value is not the same at all instants, where the loads have a factor or change
@@ -171,8 +173,10 @@ fn by_probes(run: &Run<'_>) -> Vec<Panel> {
             let tractions: Vec<Option<f64>> =
                 loads.iter().map(|load| load.map(|(time, f)| f * value.at(point, time))).collect();
             let moved = column(run.history, &format!("{}.displacement_{name}", probe.name));
-            let x = (format!("displacement {name} of {}", probe.name), "m");
-            let y = (format!("traction {name} on {}", entry.on.name()), "Pa");
+            let words = format!("displacement {name} of {}", probe.name);
+            let x = Quantity { words, base: "m" };
+            let words = format!("traction {name} on {}", entry.on.name());
+            let y = Quantity { words, base: "Pa" };
             let points = pairs(&moved.unwrap_or_default(), &tractions);
             let from_rest = at_start(case, value, point) == 0.0 && !case.has_pressure();
             panels.push(curve(points, from_rest, x, y));

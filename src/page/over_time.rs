@@ -3,7 +3,7 @@
 use super::figures::look;
 use super::words::{Unit, column, pairs};
 use super::{Charts, Figure, Run};
-use crate::case::ControlKind;
+use crate::case::{Case, ControlKind, InterfaceSpec};
 use crate::chart::{Line, Look, Panel, Panels, Scale};
 
 /// Lines of one chart that can be told apart.
@@ -90,99 +90,114 @@ fn time_scale(times: impl Iterator<Item = f64> + Clone) -> Scale {
     Scale::over(times, crowded)
 }
 
+/// All charts, in their order on the page.
 fn wanted(run: &Run<'_>) -> Vec<Chart> {
     let case = run.case;
-    let plain = |names: &[&str], prefix: &str| -> Vec<(String, String)> {
-        names.iter().map(|name| ((*name).to_owned(), format!("{prefix}.{name}"))).collect()
-    };
-    let of_interfaces = |quantity: &str| -> Vec<(String, String)> {
-        let names = case.interfaces.iter().map(|interface| &interface.name);
-        names.map(|name| (name.clone(), format!("{name}.{quantity}"))).collect()
-    };
-    let mut charts = vec![Chart {
+    let mut charts = vec![damage(case)];
+    charts.extend(case.control.as_ref().map(|_| load_factor()));
+    charts.extend(case.has_pressure().then(|| pressures(case)));
+    charts.extend([displacements(run), fluxes(case), energies(case)]);
+    charts.extend(case.flow.as_ref().map(|_| masses(case)));
+    charts
+}
+
+fn damage(case: &Case) -> Chart {
+    let names = case.interfaces.iter().map(|interface| &interface.name);
+    Chart {
         id: "damage",
         title: "Damage, largest of each interface",
         label: "damage",
         unit: "",
-        lines: of_interfaces("damage.max"),
-    }];
-    if case.control.is_some() {
-        let lines = vec![(String::new(), "load_factor".to_owned())];
-        charts.push(Chart {
-            id: "load-factor",
-            title: "Load factor",
-            label: "load factor",
-            unit: "",
-            lines,
-        });
+        lines: names.map(|name| (name.clone(), format!("{name}.damage.max"))).collect(),
     }
-    let mut pressures: Vec<(String, String)> =
-        case.probes.iter().map(|p| (p.name.clone(), format!("{}.pressure", p.name))).collect();
+}
+
+fn load_factor() -> Chart {
+    Chart {
+        id: "load-factor",
+        title: "Load factor",
+        label: "load factor",
+        unit: "",
+        lines: vec![(String::new(), "load_factor".to_owned())],
+    }
+}
+
+/// Of probes, and the means of films.
+fn pressures(case: &Case) -> Chart {
+    let probes = case.probes.iter().map(|p| (p.name.clone(), format!("{}.pressure", p.name)));
     let films = case.interfaces.iter().filter(|interface| interface.film.is_some());
-    pressures.extend(
-        films.map(|i| (format!("interface {}", i.name), format!("{}.pressure.mean", i.name))),
-    );
-    if case.has_pressure() {
-        let title = "Pressure of the fluid";
-        charts.push(Chart {
-            id: "pressure",
-            title,
-            label: "pressure",
-            unit: "Pa",
-            lines: pressures,
-        });
+    let of_film =
+        |i: &InterfaceSpec| (format!("interface {}", i.name), format!("{}.pressure.mean", i.name));
+    Chart {
+        id: "pressure",
+        title: "Pressure of the fluid",
+        label: "pressure",
+        unit: "Pa",
+        lines: probes.chain(films.map(of_film)).collect(),
     }
-    let axes: &[&str] = if case.dim == 2 { &["x", "z"] } else { &["x", "y", "z"] };
-    let moved = case.probes.iter().flat_map(|probe| {
+}
+
+fn displacements(run: &Run<'_>) -> Chart {
+    let axes: &[&str] = if run.case.dim == 2 { &["x", "z"] } else { &["x", "y", "z"] };
+    let all = run.case.probes.iter().flat_map(|probe| {
         axes.iter().map(|axis| {
             (format!("{}, {axis}", probe.name), format!("{}.displacement_{axis}", probe.name))
         })
     });
-    charts.push(Chart {
+    Chart {
         id: "probes",
         title: "Displacement of the probes",
         label: "displacement",
         unit: "m",
         // Those that stay where they are say nothing.
-        lines: moved.filter(|(_, of)| is_moving(run, of)).collect(),
-    });
-    let fluid =
-        case.interfaces.iter().filter(|interface| case.has_flux(interface)).flat_map(|interface| {
-            [("lower", "flux_lower"), ("upper", "flux_upper")].map(|(side, of)| {
-                (format!("{}, {side} side", interface.name), format!("{}.{of}", interface.name))
-            })
-        });
-    charts.push(Chart {
+        lines: all.filter(|(_, of)| is_moving(run, of)).collect(),
+    }
+}
+
+fn fluxes(case: &Case) -> Chart {
+    let interfaces = case.interfaces.iter().filter(|interface| case.has_flux(interface));
+    let both_sides = |interface: &InterfaceSpec| {
+        [("lower", "flux_lower"), ("upper", "flux_upper")].map(|(side, of)| {
+            (format!("{}, {side} side", interface.name), format!("{}.{of}", interface.name))
+        })
+    };
+    Chart {
         id: "flux",
         title: "Flow from interfaces into the rock",
         label: "mass flux",
         unit: "kg/m²/s",
-        lines: fluid.collect(),
-    });
-    charts.push(Chart {
+        lines: interfaces.flat_map(both_sides).collect(),
+    }
+}
+
+fn energies(case: &Case) -> Chart {
+    let names: &[&str] = if case.has_pressure() {
+        &["elastic", "dissipated", "external", "fluid"]
+    } else {
+        &["elastic", "dissipated", "external"]
+    };
+    Chart {
         id: "energy",
         title: "Energies",
         label: "energy",
         unit: if case.dim == 2 { "J/m" } else { "J" },
-        lines: plain(
-            if case.has_pressure() {
-                &["elastic", "dissipated", "external", "fluid"]
-            } else {
-                &["elastic", "dissipated", "external"]
-            },
-            "energy",
-        ),
-    });
-    if case.flow.is_some() {
-        charts.push(Chart {
-            id: "mass",
-            title: "Mass of the fluid since the start",
-            label: "mass",
-            unit: if case.dim == 2 { "kg/m" } else { "kg" },
-            lines: plain(&["in", "out", "stored"], "mass"),
-        });
+        lines: columns_of("energy", names),
     }
-    charts
+}
+
+fn masses(case: &Case) -> Chart {
+    Chart {
+        id: "mass",
+        title: "Mass of the fluid since the start",
+        label: "mass",
+        unit: if case.dim == 2 { "kg/m" } else { "kg" },
+        lines: columns_of("mass", &["in", "out", "stored"]),
+    }
+}
+
+/// Lines that are called as their columns, `prefix.name`.
+fn columns_of(prefix: &str, names: &[&str]) -> Vec<(String, String)> {
+    names.iter().map(|name| ((*name).to_owned(), format!("{prefix}.{name}"))).collect()
 }
 
 /// Whether a displacement is more than the rounding of others.

@@ -38,6 +38,22 @@ impl KspSetup {
     }
 }
 
+/// Tolerances of a linear solve, on the 2-norm of the true residual.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinearTolerance {
+    /// Times the norm of the right-hand side; from 0 to below 1.
+    pub relative: f64,
+    /// In the unit of the residual.
+    pub absolute: f64,
+}
+
+impl LinearTolerance {
+    /// The norm below which a residual is small enough, for a right-hand side of norm `rhs`.
+    pub(super) fn target(self, rhs: f64) -> f64 {
+        self.absolute.max(self.relative * rhs)
+    }
+}
+
 /// The linear solver of a `Snes`, borrowed from it.
 #[derive(Clone, Copy)]
 pub(super) struct Ksp {
@@ -73,7 +89,7 @@ impl Ksp {
     }
 
     /// Relative and absolute tolerance of the residual.
-    pub(super) fn tolerances(self) -> Result<(f64, f64)> {
+    pub(super) fn tolerances(self) -> Result<LinearTolerance> {
         let (mut relative, mut absolute, mut divergence, mut iterations) = (0.0, 0.0, 0.0, 0);
         // SAFETY: a valid solver and places for its four numbers.
         let code = unsafe {
@@ -86,7 +102,7 @@ impl Ksp {
             )
         };
         check(code, "KSPGetTolerances")?;
-        Ok((relative, absolute))
+        Ok(LinearTolerance { relative, absolute })
     }
 
     /// Whether the solver iterates, and not only applies its preconditioner.

@@ -15,14 +15,14 @@ mod shell;
 mod snes;
 mod vector;
 
-pub use linear::{KspSetup, LinearFailure, LinearReason};
+pub use linear::{KspSetup, LinearFailure, LinearReason, LinearTolerance};
 pub use matrix::Matrix;
 pub use multigrid::{MultigridLevel, Smoother};
 pub use options::refused_option;
 pub use session::{Petsc, Stage};
 pub use shell::{LinearOperator, Preconditioner};
 pub use snes::{
-    FurtherSolve, LinearTolerance, NonlinearSystem, Ran, Snes, SnesReason, SolveReport, TangentAt,
-    TangentChange, Trial, Verdict,
+    FurtherSolve, NonlinearSystem, Ran, Snes, SnesReason, SolveReport, TangentAt, TangentChange,
+    Trial, Verdict,
 };
 pub use vector::{ReadView, Vector, WriteView};

@@ -4,6 +4,7 @@
 
 mod again;
 mod callbacks;
+mod context;
 mod definite;
 mod ran;
 mod report;
@@ -12,14 +13,14 @@ mod tangent;
 
 pub use ran::Ran;
 pub use report::{SnesReason, SolveReport};
-pub use system::{FurtherSolve, LinearTolerance, NonlinearSystem, TangentChange, Trial, Verdict};
+pub use system::{FurtherSolve, NonlinearSystem, TangentChange, Trial, Verdict};
 pub use tangent::TangentAt;
 
 use super::error::{c_string, check, forget};
 use super::linear::{Ksp, KspSetup, LinearFailure};
 use super::{Matrix, MultigridLevel, Petsc, Smoother, Vector, ffi};
 use crate::error::{Error, Result};
-use callbacks::{Context, UserSet};
+use context::{Context, UserSet};
 use definite::Definite;
 use std::ffi::c_void;
 use std::ptr;
@@ -203,8 +204,8 @@ impl Snes {
             self.forget_factors()?;
         }
         let ranks = self.petsc.comm().size();
-        let matrices = (&mut self.matrix, &mut self.definite);
-        let mut context = Context::new(system, matrices, (self.ksp, ranks), self.user);
+        let (matrix, definite) = (&mut self.matrix, &mut self.definite);
+        let mut context = Context::new(system, matrix, definite, self.ksp, ranks, self.user);
         let address = (&raw mut context).cast::<c_void>();
         // SAFETY: the context lives until `uninstall`, and only callbacks use it meanwhile.
         let installed = unsafe { install::<S>(self.raw, &self.residual, address) };

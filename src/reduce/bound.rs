@@ -123,16 +123,17 @@ pub fn stiffness_of_fibres(case: &Case, column: &Column) -> f64 {
 /// softening.
 const SHORT_MODES: f64 = 36.0;
 
-/// What the softening of an interface with the slope `slope` (Pa/m) takes of the stiffness against
-/// its opening; below 1 the state is stable, whatever varies across the section. `cells` are those
-/// of the body of its secondary side.
+/// What the softening of the interface `name` with the slope `slope` (Pa/m) takes of the stiffness
+/// against its opening; below 1 the state is stable, whatever varies across the section. `cells`
+/// are those of the body of its secondary side.
 ///
 /// # Errors
 /// What stands in the way, in words.
 pub fn softening(
     case: &Case,
     column: &Column,
-    (name, slope): (&str, f64),
+    name: &str,
+    slope: f64,
     cells: [usize; 3],
 ) -> Result<f64, String> {
     if slope == 0.0 {
@@ -223,7 +224,7 @@ mod tests {
     fn the_fibres_are_in_series_and_softening_takes_its_share() {
         let (case, column) = case(CLAMPED);
         assert!((stiffness_of_fibres(&case, &column) - 1.0 / 3.0).abs() < 1e-14);
-        let share = |slope, n| softening(&case, &column, ("joint", slope), [n, n, 1]);
+        let share = |slope, n| softening(&case, &column, "joint", slope, [n, n, 1]);
         assert_eq!(share(0.0, 4), Ok(0.0));
         assert!((share(0.02, 4).unwrap() - 0.06 * 1.125_f64.powi(2)).abs() < 1e-14);
         assert!(share(0.2, 4).unwrap_err().contains("too steeply"));

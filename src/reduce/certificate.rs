@@ -47,7 +47,7 @@ pub fn prove(
     let surfaces = case.supported_surfaces();
     let proof = Prover { comm, case, asked, prolongation, states, surfaces };
     let lips = Lips { case, asked, prolongation, states };
-    let strain = size_over_strain(case, &asked.mesh.column, &lips.joints());
+    let strain = size_over_strain(case, prolongation.wide(), &lips.joints());
     let (softening, strain) = comm.agree_alike(
         lips.softening().and_then(|share| Ok((share, strain?))).map_err(Error::Numerics),
     )?;
@@ -59,7 +59,7 @@ pub fn prove(
     if energy == 0.0 {
         return Err(Error::Numerics("nothing is deformed".into()));
     }
-    let cells = asked.mesh.prototypes.iter().map(|p| (p.size, p.order));
+    let cells = asked.mesh.prototypes.iter().map(|p| (p.size, p.shape.order()));
     let mut least = [size_over_values(case.dim, cells)];
     comm.min(&mut least);
     // |e|^2 <= R.e / (1 - softening) and |e_j| <= sqrt(strain / (stiffness mass)) |e|.
@@ -114,16 +114,18 @@ impl Prover<'_> {
     /// The first displacement of this rank's that is prescribed and not met, in words. Local.
     fn first_not_met(&self) -> Result<Option<String>> {
         let BoundaryValueProblem { all, prescribed, .. } = self.asked;
-        let held = (0..all.nodes.owned).filter(|node| all.prescribed[*node] != [false; 3]);
-        let names: Vec<u64> = held.map(|node| all.nodes.names[node]).collect();
-        let entries: Vec<_> = names.iter().map(|name| prescribed.entries_of(*name)).collect();
+        let held = || (0..all.nodes.owned).filter(|node| all.prescribed[*node] != [false; 3]);
+        let names: Vec<u64> = held().map(|node| all.nodes.names[node]).collect();
+        let places: Vec<_> = held().map(|node| all.nodes.points[node]).collect();
+        let entries: Vec<_> =
+            held().map(|node| prescribed.entries_of(&all.nodes.marks[node])).collect();
         for state in self.states {
             let largest = largest(&state.displacement);
             let u = self.prolongation.apply(&names, &state.displacement);
             for (component, u) in u.iter().enumerate() {
                 let (node, c) = (component / all.dim, component % all.dim);
                 let Some(entry) = entries[node][c] else { continue };
-                let value = prescribed.value(entry, c, names[node], state.time)?;
+                let value = prescribed.value(entry, c, places[node], state.time)?;
                 if (value - u).abs() > ROUNDING * largest {
                     let (surface, time) = (prescribed.surface(entry), state.time);
                     return Ok(Some(format!(
@@ -259,7 +261,7 @@ impl Prover<'_> {
     /// Local.
     fn stacked(&self, state: &Snapshot) -> Vec<f64> {
         let modulus = self.case.materials.iter().map(|m| m.young_modulus).fold(0.0, f64::max);
-        let scale = modulus / self.asked.mesh.column.size[2];
+        let scale = modulus / self.asked.mesh.facts.size[2];
         let displacement = self.without_translations(state);
         let tractions = state.interface.iter().flatten().flat_map(|n| n.response.law_traction);
         let strains = displacement.into_iter().flatten().map(|u| scale * u);
@@ -281,7 +283,7 @@ impl Prover<'_> {
 
     /// The residual of a prolonged state. Collective.
     fn residual(&self, state: &Snapshot) -> Result<Residual> {
-        let BoundaryValueProblem { mesh, all, loads, .. } = self.asked;
+        let BoundaryValueProblem { all, loads, .. } = self.asked;
         let dim = all.dim;
         let mut force = vec![0.0; all.nodes.len() * dim];
         let displacement = self.without_translations(state);
@@ -299,7 +301,7 @@ impl Prover<'_> {
         all.add_tractions(traction, &mut on_lips);
         force.iter_mut().zip(&on_lips).for_each(|(force, on_lips)| *force += on_lips);
         let at = |node: usize, c: usize| force[node * dim + c];
-        let supports = reactions(&mesh.column, all, &self.surfaces, at);
+        let supports = reactions(all, &self.surfaces, at);
         let mut sums = [vec![0.0, energy], supports.into_flattened()].concat();
         for node in 0..all.nodes.owned {
             let free = (0..dim).filter(|c| !all.prescribed[node][*c]);

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::{Prolongation, Snapshot};
+use super::{Candidate, Prolongation, Snapshot};
 use crate::mesh::{CellPlace, Column, axes};
 use crate::solve::BoundaryValueProblem;
 
@@ -15,7 +15,7 @@ const STRAIGHT: f64 = 1e-10;
 
 /// Forces and displacements of the linear part in cells of one prototype in one cell of the smaller
 /// model.
-type Alike = ((u64, u16), [Vec<f64>; 2]);
+type Alike = ((u64, u32), [Vec<f64>; 2]);
 
 /// The displacements in a cell of the smaller model.
 struct Parent {
@@ -38,7 +38,7 @@ pub fn add_forces(
     force: &mut [f64],
 ) -> f64 {
     let BoundaryValueProblem { mesh, all, .. } = asked;
-    let (dim, column) = (all.dim, &mesh.column);
+    let (dim, column) = (all.dim, prolongation.wide());
     let largest = displacement.iter().flatten().fold(0.0_f64, |m, u| m.max(u.abs()));
     let parents: Vec<Parent> = (0..prolongation.narrow().cells())
         .map(|cell| parent(prolongation.narrow(), cell, displacement, ROUNDING * largest))
@@ -91,7 +91,8 @@ pub fn add_forces(
 }
 
 /// Whether the displacements of all states are linear in each cell, to rounding. Local.
-pub fn are_straight(column: &Column, states: &[Snapshot]) -> bool {
+pub fn are_straight(candidate: &Candidate, states: &[Snapshot]) -> bool {
+    let column = &candidate.column;
     let all = states.iter().flat_map(|s| s.displacement.as_flattened());
     let largest = all.fold(0.0_f64, |m, u| m.max(u.abs()));
     // The solution's own rounding is larger than that of the values.

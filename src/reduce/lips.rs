@@ -4,7 +4,6 @@ use super::bound::{Joints, softening};
 use super::{InterfaceSnapshot, Prolongation, Snapshot, both_could_soften};
 use crate::case::Case;
 use crate::law::Branch;
-use crate::mesh::Column;
 use crate::solve::{BoundaryValueProblem, NodeResponse};
 
 /// Tractions of this size, over the strength, are rounding.
@@ -28,18 +27,17 @@ impl Lips<'_> {
 
     /// The states of the nodes of an interface at all instants. Local.
     fn nodes_of(&self, interface: usize) -> impl Iterator<Item = &InterfaceSnapshot> {
-        let body = self.asked.sides[interface].secondary.body;
-        let upper = self.asked.sides[interface].secondary.upper;
+        let side = self.asked.sides[interface];
         self.states.iter().flat_map(move |state| {
             let nodes = state.interface.iter().enumerate();
-            let on = move |name: usize| self.prolongation.is_on(body, upper, name);
+            let on = move |name: usize| side.is_secondary(&self.prolongation.marks_of(name));
             nodes.filter(move |(name, _)| on(*name)).filter_map(|(_, node)| node.as_ref())
         })
     }
 
     /// What the states say of the interfaces. Local, the same on all ranks.
     pub fn joints(&self) -> Joints {
-        let column = &self.asked.mesh.column;
+        let column = self.prolongation.wide();
         let count = self.case.interfaces.len();
         let holds = |b: Branch| matches!(b, Branch::Stick | Branch::StickClosed | Branch::Tied);
         let is_tied = (0..count).map(|i| self.branches(i).all(|(b, _)| holds(b))).collect();
@@ -82,9 +80,10 @@ impl Lips<'_> {
                 name(interface)
             ));
         };
-        let column: &Column = &self.asked.mesh.column;
-        let cells = column.extent(self.asked.sides[interface].secondary.body);
-        let share = softening(self.case, column, (name(interface), slope), cells)?;
+        let column = self.prolongation.wide();
+        let side = self.asked.sides[interface];
+        let cells = column.extent(side.secondary_facts(&self.asked.mesh.facts).body);
+        let share = softening(self.case, column, name(interface), slope, cells)?;
         if share >= 1.0 {
             return Err(format!(
                 "{} may open unevenly: its softening takes {share:.2} of the stiffness of the column",

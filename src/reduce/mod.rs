@@ -18,7 +18,7 @@ use serde::Serialize;
 
 pub use certificate::{Proof, prove};
 pub use forces::are_straight;
-pub use narrow::{Candidate, candidates, narrowed};
+pub use narrow::{Candidate, candidates, candidates_in, narrowed};
 pub use prolongation::Prolongation;
 pub use refusal::{Situation, both_could_soften, refusal};
 

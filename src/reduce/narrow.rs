@@ -1,9 +1,10 @@
 //! The smaller models that are tried.
 
+use super::Prolongation;
 use super::bound::holds;
 use crate::case::{Case, Linear, Reduce, Side, Surface};
 use crate::interface::Sides;
-use crate::mesh::Column;
+use crate::mesh::{Column, Lip, LocalMesh, MeshFamily};
 
 /// How far the smaller model is solved, over the tolerance of the case: its error counts as the
 /// reduction's.
@@ -27,7 +28,9 @@ pub struct Candidate {
     /// What it leaves out, in words.
     pub left_out: &'static str,
     /// Its lattice.
-    pub column: Column,
+    pub(super) column: Column,
+    /// The lattice that was asked for.
+    wide: Column,
     /// Whether it serves only where displacements are linear in each of its cells.
     pub is_straight: bool,
 }
@@ -40,8 +43,30 @@ const KINDS: [(&str, [bool; 3]); 4] = [
     ("nothing varies along x: a slice one cell wide", [false, true, true]),
 ];
 
-/// The smaller models to try, smallest first; `wide` is the lattice that was asked for. Local.
-pub fn candidates(case: &Case, wide: &Column) -> Vec<Candidate> {
+impl Candidate {
+    /// From its nodes to those of the model asked for. Local.
+    pub fn prolongation(&self) -> Prolongation {
+        Prolongation::new(&self.column, &self.wide)
+    }
+
+    /// Its mesh, which one rank holds as a whole. Local.
+    pub fn mesh(&self) -> LocalMesh {
+        let cells = self.column.cells();
+        LocalMesh::new(&self.column, (0..cells).collect(), cells)
+    }
+}
+
+/// The smaller models to try in the place of one on `mesh`, smallest first. Local.
+pub fn candidates(case: &Case, mesh: &LocalMesh) -> Vec<Candidate> {
+    mesh.lattice().map_or_else(Vec::new, |wide| narrower(case, wide))
+}
+
+/// As [`candidates`], before any rank has its part of the mesh. Local.
+pub fn candidates_in(case: &Case, family: &MeshFamily) -> Vec<Candidate> {
+    family.lattice().map_or_else(Vec::new, |wide| narrower(case, wide))
+}
+
+fn narrower(case: &Case, wide: &Column) -> Vec<Candidate> {
     let has_weight =
         case.gravity != [0.0; 3] || case.body_force.iter().any(|force| !force.is_zero());
     let mut list: Vec<Candidate> = Vec::new();
@@ -62,7 +87,7 @@ pub fn candidates(case: &Case, wide: &Column) -> Vec<Candidate> {
         }
         let is_new = list.iter().all(|c| c.column.cells() != column.cells());
         if is_new && column.cells() * FEWER <= wide.cells() {
-            list.push(Candidate { left_out, column, is_straight });
+            list.push(Candidate { left_out, column, wide: wide.clone(), is_straight });
         }
     }
     list
@@ -78,7 +103,10 @@ fn is_held(case: &Case, axis: usize) -> bool {
 pub fn narrowed(case: &Case, sides: &[Sides]) -> Case {
     let mut narrow = case.clone();
     for (interface, side) in narrow.interfaces.iter_mut().zip(sides) {
-        interface.secondary = Some(if side.secondary.upper { Side::Lower } else { Side::Upper });
+        interface.secondary = Some(match side.secondary {
+            Lip::Lower => Side::Lower,
+            Lip::Upper => Side::Upper,
+        });
     }
     narrow.solver.linear = Linear::Mumps;
     narrow.solver.tolerance = (TIGHTER * case.solver.tolerance).max(TIGHTEST);

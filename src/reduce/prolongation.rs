@@ -1,7 +1,7 @@
 //! From the nodes of a smaller model to those of the one asked for.
 
 use crate::element::Shape;
-use crate::mesh::{CellPlace, Column, Facets, NodePlace, axes};
+use crate::mesh::{CellPlace, Column, Marks, NodePlace, axes};
 
 /// Weights of the nodes of one plane or line of the smaller model.
 type Stencil = Vec<(usize, f64)>;
@@ -76,6 +76,11 @@ impl Prolongation {
         self.narrow.cell(CellPlace { body: place.body, at })
     }
 
+    /// The lattice of the model asked for.
+    pub fn wide(&self) -> &Column {
+        &self.wide
+    }
+
     /// The lattice of the smaller model.
     pub fn narrow(&self) -> &Column {
         &self.narrow
@@ -86,9 +91,9 @@ impl Prolongation {
         self.narrow.node_place(parent as u64).body
     }
 
-    /// Whether a node of the smaller model lies on the upper or the lower face of a body.
-    pub fn is_on(&self, body: usize, upper: bool, parent: usize) -> bool {
-        self.narrow.is_on(Facets { body, upper }, parent as u64)
+    /// Where a node of the smaller model lies.
+    pub fn marks_of(&self, parent: usize) -> Marks {
+        self.narrow.marks(parent as u64)
     }
 }
 

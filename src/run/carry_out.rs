@@ -4,23 +4,22 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use super::checkpoint::Restart;
-use super::reduced::{Reduced, attempt};
-use super::session::{Ended, Session, Solution};
+use super::session::{Ended, Session};
+use super::solution::Solution;
 use super::{resources, screen};
 use crate::case::Case;
 use crate::error::{Error, Result};
-use crate::interface::unresolved_zones;
-use crate::mesh::{Column, LocalMesh};
+use crate::mesh::MeshFamily;
 use crate::output::directory::OutputDirectory;
 use crate::output::lock::Lock;
 use crate::partition::{self, Method};
-use crate::reduce::{Reduction, Situation};
+use crate::reduce::Situation;
 use crate::runtime::Runtime;
 use crate::solve::{self, BoundaryValueProblem, LinearChoice, MULTIGRID, Model};
 use crate::timers::{Phase, Timers};
 use crate::{fault, signals};
 
-/// A lattice of fewer cells per rank is not worth a level, and too few for an even partition.
+/// A mesh of fewer cells per rank is not worth a level, and too few for an even partition.
 const COARSEST_CELLS: u64 = 64;
 
 /// What the checkpoint and the end of a run may take of its wall-clock time (s).
@@ -69,11 +68,11 @@ pub fn carry_out(
     };
 
     let place = output.map(|output| output.directory);
-    let (mut model, reduction, reduced) = build(runtime, timers, case, place, restart.is_some())?;
+    let (mut model, solution) = build(runtime, timers, case, place, restart.is_some())?;
     let state = restart.map(|restart| restart.resume(comm, case, &mut model)).transpose()?;
     let directory = match (output, &state) {
         (Some(Output { directory, .. }), Some(state)) => {
-            let last = state.fields.last().map_or(0, |(step, _)| *step);
+            let last = state.fields.last().map_or(0, |instant| instant.step);
             Some(OutputDirectory::resume(comm, directory, &resolved, last)?)
         }
         (Some(Output { directory, overwrite, .. }), None) => {
@@ -81,55 +80,43 @@ pub fn carry_out(
         }
         (None, _) => None,
     };
-    screen::describe(comm, case, &model, &reduction);
-    if reduced.is_none() {
-        let unresolved = unresolved_zones(case, &model.mesh.column, &model.sides);
-        unresolved.iter().for_each(|words| tracing::warn!("warning: {words}"));
-        model.stepper.remarks.extend(unresolved);
-    }
-    let solution = Solution { reduction, reduced };
+    screen::describe(comm, case, &model, solution.reduction());
+    let unresolved = solution.unresolved_zones(case, &model);
+    unresolved.iter().for_each(|words| tracing::warn!("warning: {words}"));
+    model.stepper.remarks.extend(unresolved);
     let mut session = Session::new(comm, timers, case, directory, state, solution);
     let solved = session.solve(&mut model);
     session.close(runtime, &model, solved, output.is_some_and(|output| output.page))
 }
 
-/// The model that was asked for, and the smaller one that takes its place if there is one.
-/// Collective.
+/// The model that was asked for, and where its states come from. Collective.
 fn build<'a>(
     runtime: &'a Runtime,
     timers: &'a Timers,
     case: &'a Case,
     directory: Option<&Path>,
     goes_on: bool,
-) -> Result<(Model<'a>, Reduction, Option<Reduced>)> {
+) -> Result<(Model<'a>, Solution)> {
     let comm = &runtime.comm;
-    let column = {
+    let mut family = {
         let _phase = timers.enter(Phase::Mesh);
-        comm.agree(Column::new(case))?
+        comm.agree(MeshFamily::new(case))?
     };
     fault::strike(comm, "mesh")?;
-    let mut choice = LinearChoice::new(case, &column);
-    let mut columns = vec![column.described(), column];
-    if choice.preset == MULTIGRID {
-        let levels = columns[1].hierarchy(COARSEST_CELLS * comm.size() as u64);
-        if levels.len() > 1 {
-            columns = levels;
-        } else {
-            choice = choice.without_levels();
-        }
+    let facts = family.facts();
+    let mut choice = LinearChoice::new(case, &facts);
+    let fewest = COARSEST_CELLS * comm.size() as u64;
+    if choice.preset == MULTIGRID && !family.coarsen(fewest) {
+        choice = choice.without_levels();
     }
-    resources::check(comm, case, &columns[columns.len() - 1], &choice, directory)?;
+    resources::check(comm, case, &facts, &choice, directory)?;
     let (cells, before) = {
         let _phase = timers.enter(Phase::Partition);
-        partition::distribute(comm, &columns[0], Method::from_environment())?
+        partition::distribute(comm, &family, Method::from_environment())?
     };
     let mut meshes = {
         let _phase = timers.enter(Phase::Mesh);
-        let mut meshes = vec![LocalMesh::new(&columns[0], cells, before)];
-        for column in &columns[1..] {
-            meshes.push(meshes[meshes.len() - 1].refined(column));
-        }
-        meshes
+        family.share(cells, before)
     };
     fault::strike(comm, "distribute")?;
     let phase = timers.enter(Phase::Assembly);
@@ -139,11 +126,9 @@ fn build<'a>(
     let has_options = runtime.petsc.has_options();
     let unknowns = problem.all.nodes.total * case.dim as u64;
     let situation = Situation { unknowns, goes_on, has_options };
-    let (reduction, reduced) = attempt(runtime, timers, case, &problem, situation)?;
+    let solution = Solution::choose(runtime, timers, case, &problem, situation)?;
     let _phase = timers.enter(Phase::Assembly);
-    if let Some(reduced) = &reduced {
-        choice = LinearChoice::none(reduced.why_no_solver());
-    }
+    let choice = solution.linear_choice(choice);
     let model = solve::build(runtime, timers, case, choice, problem, meshes)?;
-    Ok((model, reduction, reduced))
+    Ok((model, solution))
 }

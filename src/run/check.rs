@@ -8,8 +8,8 @@ use crate::bulk::Loads;
 use crate::case::{self, Case, read_text};
 use crate::error::{Error, Result};
 use crate::interface::{Sides, unresolved_zones};
-use crate::mesh::{Column, LocalMesh};
-use crate::reduce::{NONE_OF_USE, Situation, candidates, refusal};
+use crate::mesh::MeshFamily;
+use crate::reduce::{NONE_OF_USE, Situation, candidates_in, refusal};
 use crate::solve::model::memory::{memory, pressures};
 use crate::solve::{LinearChoice, strength_factors};
 use crate::space::{AtNode, Prescribed, PrescribedPressure};
@@ -35,34 +35,33 @@ pub fn check(path: &Path, overrides: &[String]) -> Result<String> {
 /// # Errors
 /// `Input` when a formula gives no number somewhere, or values disagree.
 pub fn describe(case: &Case) -> Result<String> {
-    let column = Column::new(case)?;
-    let unknowns = column.nodes() * case.dim as u64 + pressures(case, &column);
-    let choice = LinearChoice::new(case, &column);
-    if column.nodes() <= MOST_NODES {
-        let nodes: Vec<u64> = (0..column.nodes()).collect();
+    let family = MeshFamily::new(case)?;
+    let facts = family.facts();
+    let unknowns = facts.nodes * case.dim as u64 + pressures(case, &facts);
+    let choice = LinearChoice::new(case, &facts);
+    let sides = Sides::choose(case, &facts);
+    if facts.nodes <= MOST_NODES {
         let times = case.load_times();
-        let prescribed = Prescribed::new(case, &column);
-        let largest = prescribed.largest_value(&nodes, &times);
-        let checked = largest.and_then(|l| prescribed.check_agreement(&nodes, &times, l));
+        let mesh = family.whole();
+        let prescribed = Prescribed::new(case);
+        let largest = prescribed.largest_value(&mesh.nodes, &times);
+        let checked = largest.and_then(|l| prescribed.check_agreement(&mesh.nodes, &times, l));
         checked.map_err(|AtNode(_, error)| error)?;
-        let mesh = LocalMesh::new(&column, (0..column.cells()).collect(), column.cells());
         Loads::new(case, &mesh).check(&times)?;
         if case.has_pressure() {
-            let corners = LocalMesh::new(&column.of_first_order(), mesh.cells.clone(), 0);
-            let prescribed = PrescribedPressure::new(case, &corners.column);
-            let checked = prescribed.check(&corners.nodes, &times);
+            let corners = mesh.corners();
+            let checked = PrescribedPressure::new(case).check(corners.nodes.iter(), &times);
             checked.map_err(|AtNode(_, error)| error)?;
             Loads::inflow(case, &corners).check(&times)?;
             Loads::injection(case, &corners).check(&times)?;
         }
-        let sides = Sides::choose(case, &column);
-        let secondary = sides.iter().enumerate().flat_map(|(interface, side)| {
-            let own = nodes.iter().filter(|node| side.is_secondary(&column, **node));
-            own.map(move |node| (interface, *node))
+        let secondary = sides.iter().flat_map(|side| {
+            let own = mesh.nodes.iter().filter(|(_, _, marks)| side.is_secondary(marks));
+            own.map(|(name, point, _)| (side.interface, name, point))
         });
-        strength_factors(case, &column, secondary).map_err(|AtNode(_, error)| error)?;
+        strength_factors(case, secondary).map_err(|AtNode(_, error)| error)?;
     }
-    let bytes = memory(choice.preset, case, &column, 1);
+    let bytes = memory(choice.preset, case, &facts, 1);
     let mut text = format!("{}\n", case.title);
     let mut line = |name: &str, what: String| {
         writeln!(text, "{name:<10} {what}").map_err(|e| Error::Bug(format!("check: {e}")))
@@ -72,23 +71,22 @@ pub fn describe(case: &Case) -> Result<String> {
         line("left out", sentence.clone())?;
     }
     let order = case.mesh.order_words();
-    line("mesh", format!("{} cells{order}, {unknowns} unknowns", column.cells()))?;
-    for (interface, side) in case.interfaces.iter().zip(Sides::choose(case, &column)) {
-        let secondary = if side.secondary.upper { "lower" } else { "upper" };
+    line("mesh", format!("{} cells{order}, {unknowns} unknowns", facts.cells))?;
+    for (interface, side) in case.interfaces.iter().zip(&sides) {
+        let secondary = side.secondary.name();
         let (name, law) = (&interface.name, interface.law.name());
         line(
             "interface",
             format!("{name} at z = {} m: {law}, multipliers on the {secondary} side", interface.z),
         )?;
     }
-    let sides = Sides::choose(case, &column);
-    for words in unresolved_zones(case, &column, &sides) {
+    for words in unresolved_zones(case, &facts, &sides) {
         line("warning", words)?;
     }
-    line("reduced", reduction(case, &column, unknowns))?;
+    line("reduced", reduction(case, &family, unknowns))?;
     line("linear", format!("{}: {}", choice.preset, choice.why))?;
     line("memory", format!("about {:.2} GB on one rank", bytes / 1e9))?;
-    line("disk", format!("about {:.3} GB", disk(case, &column) / 1e9))?;
+    line("disk", format!("about {:.3} GB", disk(case, &facts) / 1e9))?;
     line("instants", format!("{}", case.time.len()))?;
     line("output", format!("{}", case.output.directory.display()))?;
     text.push_str("the case is right\n");
@@ -96,12 +94,12 @@ pub fn describe(case: &Case) -> Result<String> {
 }
 
 /// Whether a run would try a smaller model, in words.
-fn reduction(case: &Case, column: &Column, unknowns: u64) -> String {
+fn reduction(case: &Case, family: &MeshFamily, unknowns: u64) -> String {
     let situation = Situation { unknowns, goes_on: false, has_options: false };
     if let Some(why) = refusal(case, situation) {
         return format!("no: {why}");
     }
-    match candidates(case, column).first() {
+    match candidates_in(case, family).first() {
         Some(first) => format!("if the run can show that {}", first.left_out),
         None => format!("no: {NONE_OF_USE}"),
     }

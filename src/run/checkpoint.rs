@@ -16,6 +16,7 @@ use crate::output::directory::first_difference;
 use crate::output::finite::refused;
 use crate::output::history::Table;
 use crate::output::publisher::Publisher;
+use crate::output::series;
 use crate::signals;
 use crate::solve::{MOST_COUNTED, Model, State, StepState};
 
@@ -55,8 +56,8 @@ pub struct RunState {
     pub residual_norms: Vec<f64>,
     /// The rows of history.csv.
     pub history: Table,
-    /// Steps and times of the field files.
-    pub fields: Vec<(usize, f64)>,
+    /// Those with field files.
+    pub fields: Vec<series::Instant>,
 }
 
 /// What a run has done, beside its solution.
@@ -66,7 +67,7 @@ pub struct Progress<'p> {
     pub residual_norms: &'p [f64],
     /// On rank 0.
     pub history: Option<&'p Table>,
-    pub fields: &'p [(usize, f64)],
+    pub fields: &'p [series::Instant],
 }
 
 /// Decides when a checkpoint is due, and writes it.
@@ -115,7 +116,8 @@ impl Keeper {
         comm: &Comm,
         publisher: &mut Publisher,
         directory: &Path,
-        (case, model): (&Case, &Model<'_>),
+        case: &Case,
+        model: &Model<'_>,
         progress: &Progress<'_>,
     ) -> Result<()> {
         let started = Instant::now();
@@ -157,7 +159,9 @@ impl Keeper {
 fn check(state: &State, progress: &Progress<'_>, model: &Model<'_>, file: &Path) -> Result<()> {
     let when = format!("at time {}", state.step.time);
     if let Some((what, node, value)) = state.first_not_finite() {
-        let [x, y, z] = model.mesh.column.point(node);
+        let nodes = &model.stepper.problem.all.nodes;
+        let point = nodes.local(node).map_or([f64::NAN; 3], |node| nodes.points[node as usize]);
+        let [x, y, z] = point;
         return Err(refused(what, value, &format!("at ({x}, {y}, {z}) m {when}"), file));
     }
     let step = &state.step;
@@ -317,7 +321,7 @@ impl RunState {
         if let Some(count) = self.counts.iter().find(|count| **count > MOST_COUNTED) {
             return Err(format!("it counts {count} corrections"));
         }
-        let steps: Vec<usize> = self.fields.iter().map(|(step, _)| *step).collect();
+        let steps: Vec<usize> = self.fields.iter().map(|instant| instant.step).collect();
         let rising = steps.windows(2).all(|pair| pair[0] < pair[1]);
         if !rising || steps.first() == Some(&0) || steps.last() > Some(&self.accepted) {
             return Err(format!("its field files are not those of {count} instants"));

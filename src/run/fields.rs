@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::fault;
 use crate::mesh::axes;
 use crate::output::publisher::Publisher;
-use crate::output::series::{Fixed, Series};
+use crate::output::series::{Fixed, Instant, Series};
 use crate::output::vtkhdf::{Array, Data, Grid, Values};
 use crate::solve::{Model, Problem};
 
@@ -21,14 +21,14 @@ pub struct FieldWriter {
     interfaces: Vec<Series>,
     /// The facets of each interface, once they are known.
     grids: Option<Vec<InterfaceGrid>>,
-    /// Steps and times so far.
-    pub written: Vec<(usize, f64)>,
+    /// The instants so far.
+    pub written: Vec<Instant>,
 }
 
 impl FieldWriter {
-    /// Series in the directory `fields` that go on from the steps and times that an earlier run has
+    /// Series in the directory `fields` that go on from the instants that an earlier run has
     /// written.
-    pub fn new(case: &Case, fields: &Path, written: Vec<(usize, f64)>) -> Self {
+    pub fn new(case: &Case, fields: &Path, written: Vec<Instant>) -> Self {
         let series = |name: &str| Series::resume(fields.to_path_buf(), name, &written);
         Self {
             mesh: None,
@@ -39,7 +39,7 @@ impl FieldWriter {
         }
     }
 
-    /// Writes the state that `model` has reached, as step `step` at `time`. Collective.
+    /// Writes the state that `model` has reached as that of an instant. Collective.
     ///
     /// # Errors
     /// `System` when a file cannot be written.
@@ -49,10 +49,10 @@ impl FieldWriter {
         publisher: &mut Publisher,
         case: &Case,
         model: &Model<'_>,
-        (step, time): (usize, f64),
+        instant: Instant,
     ) -> Result<()> {
-        self.written.push((step, time));
-        self.write_bulk(comm, publisher, case, model, (step, time))?;
+        self.written.push(instant);
+        self.write_bulk(comm, publisher, case, model, instant)?;
         let problem = &model.stepper.problem;
         let grids = self.grids.get_or_insert_with(|| {
             (0..case.interfaces.len()).map(|i| InterfaceGrid::new(comm, model, i)).collect()
@@ -98,7 +98,7 @@ impl FieldWriter {
                 [Array { name: "global_node_id", components: 1, values: Values::I64(&names) }];
             let fixed = Fixed { grid: &grid, data: Data { points: &known, cells: &[] } };
             let data = Data { points: &data, cells: &[] };
-            series.write(comm, publisher, (step, time), fixed, data)?;
+            series.write(comm, publisher, instant, fixed, data)?;
         }
         Ok(())
     }
@@ -109,7 +109,7 @@ impl FieldWriter {
         publisher: &mut Publisher,
         case: &Case,
         model: &Model<'_>,
-        (step, time): (usize, f64),
+        instant: Instant,
     ) -> Result<()> {
         let problem = &model.stepper.problem;
         let (all, dim) = (&problem.all, case.dim);
@@ -156,7 +156,7 @@ impl FieldWriter {
         }
         let data = Data { points: &points, cells: &cells };
         let fixed = Fixed { grid: &grid, data: known };
-        self.bulk.write(comm, publisher, (step, time), fixed, data)
+        self.bulk.write(comm, publisher, instant, fixed, data)
     }
 }
 
@@ -212,7 +212,7 @@ fn film_pressure(model: &Model<'_>, nodes: &[usize]) -> Vec<f64> {
 }
 
 fn point(model: &Model<'_>, node: u32) -> [f64; 3] {
-    model.mesh.column.point(model.stepper.problem.all.nodes.names[node as usize])
+    model.stepper.problem.all.nodes.points[node as usize]
 }
 
 /// Components to x, y, z.
@@ -237,8 +237,8 @@ impl BulkMesh {
     fn new(comm: &Comm, model: &Model<'_>) -> Self {
         let all = &model.stepper.problem.all;
         let number = |n: &u32| i64::from(all.nodes.numbers[*n as usize]);
-        let shape = |p: &u16| Shape::of(all.dim, model.mesh.prototypes[*p as usize].order);
-        let material = |p: &u16| model.mesh.prototypes[*p as usize].material as i32;
+        let shape = |p: &u32| model.mesh.prototypes[*p as usize].shape;
+        let material = |p: &u32| model.mesh.prototypes[*p as usize].material as i32;
         Self {
             points: (0..all.nodes.owned as u32).map(|n| point(model, n)).collect(),
             shapes: model.mesh.cell_prototype.iter().map(shape).collect(),
@@ -276,26 +276,22 @@ impl InterfaceGrid {
         all.nodes.update_ghosts(&mut row, 1);
         let facets = facets(model, interface);
         let connectivity = facets.iter().flatten().map(|n| row[*n as usize] as i64).collect();
-        let body = model.sides[interface].secondary.body;
-        let shape = Shape::of(all.dim - 1, model.mesh.column.order(body));
+        let order = model.sides[interface].secondary_facts(&model.mesh.facts).order;
+        let shape = Shape::of(all.dim - 1, order);
         Self { nodes, facets, connectivity, shape }
     }
 }
 
 /// Local nodes of the secondary facets of this rank's cells.
 fn facets(model: &Model<'_>, interface: usize) -> Vec<Vec<u32>> {
-    let (column, side) = (&model.mesh.column, &model.sides[interface]);
+    let (mesh, lip) = (&model.mesh, model.sides[interface].secondary);
     let nodes = &model.stepper.problem.all.nodes;
-    let local = |name: u64| nodes.local(name).expect("a node of the rank's own cell");
-    model
-        .mesh
-        .cells
-        .iter()
-        .map(|cell| column.cell_place(*cell))
-        .filter(|place| side.cell_is_secondary(column, *place))
-        .map(|place| column.facet_nodes(side.secondary, [place.at[0], place.at[1]]))
-        .map(|names| names.into_iter().map(local).collect())
-        .collect()
+    let local = |node: u32| {
+        let name = mesh.nodes.names[node as usize];
+        nodes.local(name).expect("a node of the rank's own cell")
+    };
+    let facets = mesh.on_lip(interface, lip).iter().map(|facet| mesh.lip_nodes(lip, *facet).1);
+    facets.map(|nodes| nodes.into_iter().map(local).collect()).collect()
 }
 
 /// Tractions at nodes (Pa); where a component has no multiplier, the mean over its facets of the

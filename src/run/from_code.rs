@@ -21,7 +21,7 @@ use crate::timers::Timers;
 /// # fn run(runtime: &Runtime, case: &Case) -> Result<()> {
 /// let in_memory = Run::of(case).start(runtime)?;
 /// let on_disk = Run::of(case).output("results/mine").overwrite().start(runtime)?;
-/// assert_eq!(in_memory.history, on_disk.history);
+/// assert_eq!(in_memory.history.times(), on_disk.history.times());
 /// # Ok(())
 /// # }
 /// ```

@@ -1,7 +1,7 @@
 //! One row of `history.csv`: what is told of an accepted instant.
 
 use super::probes::Probe;
-use crate::case::Case;
+use crate::case::{Case, InterfaceQuantity};
 use crate::comm::Comm;
 use crate::solve::{Accepted, FluidBalance, Model, reactions};
 
@@ -23,7 +23,7 @@ pub fn row(
     row.extend(interface_statistics(case, model, comm));
     let force = |node: usize, c: usize| problem.balance[node * case.dim + c];
     let surfaces = case.supported_surfaces();
-    let mut sums = reactions(&model.mesh.column, &problem.all, &surfaces, force);
+    let mut sums = reactions(&problem.all, &surfaces, force);
     comm.sum(sums.as_flattened_mut());
     row.extend(sums.iter().flat_map(|sum| &sum[..case.dim]).map(|v| Some(*v)));
     // Three components, then the pressure and whether there is one.
@@ -59,19 +59,18 @@ pub fn row(
 /// Puts 0 for the tractions and jumps of components that a smaller model leaves out and the model
 /// asked for has, as `has` tells by interface and component. Local.
 pub fn fill(case: &Case, row: &mut [Option<f64>], has: impl Fn(usize, usize) -> bool) {
-    let dim = case.dim;
     let mut at = FIRST_OF_INTERFACES;
-    for interface in 0..case.interfaces.len() {
-        for _ in ["traction", "jump"] {
-            for component in order(dim) {
-                if has(interface, component) {
-                    row[at..at + 3].iter_mut().for_each(|value| *value = value.or(Some(0.0)));
-                }
-                at += 3;
+    for (number, interface) in case.interfaces.iter().enumerate() {
+        for quantity in case.interface_quantities(interface) {
+            if let InterfaceQuantity::Traction(c) | InterfaceQuantity::Jump(c) = quantity
+                && has(number, c)
+            {
+                row[at..at + 3].iter_mut().for_each(|value| *value = value.or(Some(0.0)));
             }
+            at += 3;
         }
-        // The damage.
-        at += 3;
+        // Flow into the rock on both sides.
+        at += if case.has_flux(interface) { 2 } else { 0 };
     }
 }
 
@@ -86,11 +85,6 @@ pub fn put_reactions(case: &Case, row: &mut [Option<f64>], reactions: &[[f64; 3]
 
 /// Columns before those of the interfaces.
 const FIRST_OF_INTERFACES: usize = 4;
-
-/// Order of the columns: the normal component first, then x and y.
-fn order(dim: usize) -> impl Iterator<Item = usize> {
-    std::iter::once(dim - 1).chain(0..dim - 1)
-}
 
 /// Minimum, maximum and weighted mean of a nodal quantity, gathered step by step.
 #[derive(Clone, Copy)]
@@ -111,57 +105,75 @@ impl Statistic {
         self.weighted += weight * value;
         self.weight += weight;
     }
+
+    /// Minimum, maximum and mean; none where nothing was seen.
+    fn columns(&self) -> [Option<f64>; 3] {
+        let some = self.weight > 0.0;
+        [self.least, self.most, self.weighted / self.weight].map(|v| some.then_some(v))
+    }
 }
 
-/// Minimum, maximum and mean of every interface quantity. Collective.
+/// Minimum, maximum and mean of every interface quantity, and the flow into the rock. Collective.
 fn interface_statistics(case: &Case, model: &Model<'_>, comm: &Comm) -> Vec<Option<f64>> {
+    let mut all = nodal_statistics(case, model);
+    let mut least: Vec<f64> = all.iter().flatten().map(|s| s.least).collect();
+    let mut most: Vec<f64> = all.iter().flatten().map(|s| s.most).collect();
+    let mut sums: Vec<f64> = all.iter().flatten().flat_map(|s| [s.weighted, s.weight]).collect();
+    comm.min(&mut least);
+    comm.max(&mut most);
+    comm.sum(&mut sums);
+    for (i, statistic) in all.iter_mut().flatten().enumerate() {
+        let [weighted, weight] = [sums[2 * i], sums[2 * i + 1]];
+        *statistic = Statistic { least: least[i], most: most[i], weighted, weight };
+    }
+    let flow = model.stepper.coupling.as_ref().map(|coupling| &coupling.flow);
+    let mut row = Vec::with_capacity(3 * least.len());
+    for (number, own) in all.iter().enumerate() {
+        row.extend(own.iter().flat_map(Statistic::columns));
+        if let Some(flow) = flow.filter(|_| case.has_flux(&case.interfaces[number])) {
+            let rates = flow.into_sides[number];
+            row.extend(rates.map(|rate| Some(rate / case.mesh.section())));
+        }
+    }
+    row
+}
+
+/// The quantities of each interface over the nodes of this rank. Local.
+fn nodal_statistics(case: &Case, model: &Model<'_>) -> Vec<Vec<Statistic>> {
     let problem = &model.stepper.problem;
-    let dim = case.dim;
-    // The last one is the pressure of a film.
-    let per_interface = 2 * dim + 2;
-    let is_film = |interface: usize| case.interfaces[interface].film.is_some();
-    let mut all = vec![Statistic::NONE; per_interface * case.interfaces.len()];
+    let quantities: Vec<_> = case.interfaces.iter().map(|i| case.interface_quantities(i)).collect();
+    let mut all: Vec<Vec<Statistic>> =
+        quantities.iter().map(|own| vec![Statistic::NONE; own.len()]).collect();
     let state = &problem.interfaces;
     for (rows, response) in problem.all.secondary.iter().zip(&state.response) {
-        let own = &mut all[rows.interface * per_interface..][..per_interface];
-        for (place, c) in order(dim).enumerate() {
-            if let Some(row) = &rows.rows[c] {
-                own[place].see(response.bulk_traction[c], row.weight);
-                own[dim + place].see(response.jump[c], row.weight);
+        let of_component =
+            |values: [f64; 3], c: usize| rows.rows[c].as_ref().map(|row| (values[c], row.weight));
+        let own = all[rows.interface].iter_mut().zip(&quantities[rows.interface]);
+        for (statistic, quantity) in own {
+            let seen = match *quantity {
+                InterfaceQuantity::Traction(c) => of_component(response.bulk_traction, c),
+                InterfaceQuantity::Jump(c) => of_component(response.jump, c),
+                InterfaceQuantity::Damage => rows.has_multiplier().then(|| {
+                    let law = state.laws[rows.interface].spec.law();
+                    (law.damage(response.history), rows.law_weight(case.dim))
+                }),
+                // Films have lists of their own.
+                InterfaceQuantity::Pressure => None,
+            };
+            if let Some((value, weight)) = seen {
+                statistic.see(value, weight);
             }
-        }
-        if rows.has_multiplier() {
-            let law = state.laws[rows.interface].spec.law();
-            own[2 * dim].see(law.damage(response.history), rows.law_weight(dim));
         }
     }
     let flow = model.stepper.coupling.as_ref().map(|coupling| &coupling.flow);
     for (index, pressure) in flow.iter().flat_map(|f| f.space.films.pressures(&f.pressure)) {
         let rows = &problem.all.secondary[index as usize];
-        if rows.has_multiplier() {
-            let own = &mut all[(rows.interface + 1) * per_interface - 1];
-            own.see(pressure, rows.law_weight(dim));
+        let own = all[rows.interface].iter_mut().zip(&quantities[rows.interface]);
+        for (statistic, _) in own.filter(|(_, q)| **q == InterfaceQuantity::Pressure) {
+            if rows.has_multiplier() {
+                statistic.see(pressure, rows.law_weight(case.dim));
+            }
         }
     }
-    let mut least: Vec<f64> = all.iter().map(|s| s.least).collect();
-    let mut most: Vec<f64> = all.iter().map(|s| s.most).collect();
-    let mut sums: Vec<f64> = all.iter().flat_map(|s| [s.weighted, s.weight]).collect();
-    comm.min(&mut least);
-    comm.max(&mut most);
-    comm.sum(&mut sums);
-    let mut row = Vec::with_capacity(3 * all.len());
-    for (i, sum) in sums.chunks_exact(2).enumerate() {
-        let some = sum[1] > 0.0;
-        let (interface, place) = (i / per_interface, i % per_interface);
-        let is_last = place + 1 == per_interface;
-        if !is_last || is_film(interface) {
-            row.extend([least[i], most[i], sum[0] / sum[1]].map(|v| some.then_some(v)));
-        }
-        let flux = is_last && case.has_flux(&case.interfaces[interface]);
-        if let Some(flow) = flow.filter(|_| flux) {
-            let rates = flow.into_sides[interface];
-            row.extend(rates.map(|rate| Some(rate / case.mesh.section())));
-        }
-    }
-    row
+    all
 }

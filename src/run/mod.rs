@@ -5,7 +5,6 @@
 mod carry_out;
 mod check;
 mod checkpoint;
-mod facts;
 mod fields;
 mod from_code;
 mod history;
@@ -15,6 +14,8 @@ mod reduced;
 mod resources;
 mod screen;
 mod session;
+mod solution;
+mod summary;
 
 use std::cell::RefCell;
 use std::path::Path;

@@ -3,7 +3,7 @@
 use crate::assembly::PoreSpace;
 use crate::case::Case;
 use crate::element::MAX_NODES;
-use crate::mesh::{LocalMesh, axes};
+use crate::mesh::LocalMesh;
 use crate::solve::Problem;
 
 /// A probe, on the rank whose cell holds it.
@@ -21,20 +21,16 @@ pub struct Probe {
 pub fn locate(case: &Case, mesh: &LocalMesh) -> Vec<Probe> {
     let mut found = Vec::new();
     for (index, probe) in case.probes.iter().enumerate() {
-        let (place, fraction) = mesh.column.locate(probe.at);
-        if mesh.cells.binary_search(&mesh.column.cell(place)).is_err() {
-            continue;
-        }
-        let mut xi = [0.0; 3];
-        for (component, axis) in axes(case.dim).iter().enumerate() {
-            xi[component] = 2.0 * fraction[*axis] - 1.0;
-        }
+        let Some((cell, xi)) = mesh.locate(probe.at) else { continue };
+        let shape = mesh.shape(cell);
         let mut values = [0.0; MAX_NODES];
-        mesh.column.shape(place.body).values(xi, &mut values);
+        shape.values(xi, &mut values);
         let mut at_corners = [0.0; MAX_NODES];
-        mesh.column.shape(place.body).corners().values(xi, &mut at_corners);
-        let corners = (mesh.column.of_first_order().cell_nodes(place), at_corners);
-        found.push(Probe { index, nodes: mesh.column.cell_nodes(place), values, corners });
+        shape.corners().values(xi, &mut at_corners);
+        let nodes = mesh.cell_nodes(cell).iter().map(|node| mesh.nodes.names[*node as usize]);
+        let nodes: Vec<u64> = nodes.collect();
+        let corners = (nodes[..shape.corners().nodes()].to_vec(), at_corners);
+        found.push(Probe { index, nodes, values, corners });
     }
     found
 }

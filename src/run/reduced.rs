@@ -5,14 +5,13 @@ use std::time::Instant;
 use super::{history, probes};
 use crate::case::Case;
 use crate::error::{Error, Result};
-use crate::mesh::LocalMesh;
 use crate::reduce::{
-    Candidate, Certificate, NONE_OF_USE, Prolongation, Reduction, Situation, Snapshot,
-    are_straight, both_could_soften, candidates, narrowed, prove, refusal,
+    Candidate, Certificate, Prolongation, Snapshot, are_straight, both_could_soften, narrowed,
+    prove,
 };
 use crate::runtime::Runtime;
 use crate::solve::{self, Accepted, BoundaryValueProblem, LinearChoice, Model};
-use crate::timers::{Phase, Timers};
+use crate::timers::Timers;
 
 /// The solution of a smaller model that serves in the place of the one asked for.
 pub struct Reduced {
@@ -23,61 +22,29 @@ pub struct Reduced {
     unknowns: u64,
 }
 
-/// Solves a smaller model and proves that it serves; else tells why the model asked for is needed.
-/// Collective.
-///
-/// # Errors
-/// `Stopped` on a signal, `System` when PETSc fails.
-pub fn attempt(
-    runtime: &Runtime,
-    timers: &Timers,
-    case: &Case,
-    asked: &BoundaryValueProblem,
-    situation: Situation,
-) -> Result<(Reduction, Option<Reduced>)> {
-    if let Some(why) = refusal(case, situation) {
-        return Ok((Reduction::none(why), None));
-    }
-    let _phase = timers.enter(Phase::Solve);
-    let mut why = NONE_OF_USE.to_owned();
-    for candidate in candidates(case, &asked.mesh.column) {
-        match serves(runtime, timers, case, asked, &candidate) {
-            Ok(Ok((certificate, reduced))) => {
-                let (applied, why) = (true, candidate.left_out.to_owned());
-                let reduction = Reduction { applied, why, certificate: Some(certificate) };
-                return Ok((reduction, Some(reduced)));
-            }
-            Ok(Err(reason)) => why = reason,
-            // No other model would do better.
-            Err(Error::Numerics(reason)) => return Ok((Reduction::none(reason), None)),
-            Err(error) => return Err(error),
-        }
-    }
-    Ok((Reduction::none(why), None))
-}
-
 /// Solves a smaller model and proves that it serves; the inner error is why it is too small, in
 /// words. Every rank solves it by itself, which costs less than to share it. Collective.
 ///
 /// # Errors
-/// `Numerics` when there is no such model, smaller or larger; else as [`attempt`].
-fn serves(
+/// `Numerics` when there is no such model, smaller or larger; `Stopped` on a signal, `System` when
+/// PETSc fails.
+pub fn serves(
     runtime: &Runtime,
     timers: &Timers,
     case: &Case,
     asked: &BoundaryValueProblem,
     candidate: &Candidate,
 ) -> Result<std::result::Result<(Certificate, Reduced), String>> {
-    let (comm, wide) = (&runtime.comm, &asked.mesh.column);
+    let comm = &runtime.comm;
     let started = Instant::now();
     let narrow = narrowed(case, &asked.sides);
     let solved = instants(&runtime.alone(), timers, &narrow, candidate);
     let (states, rows, unknowns) = comm.agree_alike(solved)?;
-    let prolongation = Prolongation::new(&candidate.column, wide);
+    let prolongation = candidate.prolongation();
     let mut reduced = Reduced { prolongation, states, rows, unknowns };
     let solution_seconds = started.elapsed().as_secs_f64();
     let started = Instant::now();
-    let bends = candidate.is_straight && !are_straight(&candidate.column, &reduced.states);
+    let bends = candidate.is_straight && !are_straight(candidate, &reduced.states);
     if comm.any(bends) {
         return Ok(Err("the displacements vary across the section".into()));
     }
@@ -112,10 +79,9 @@ fn instants(
     candidate: &Candidate,
 ) -> Result<Solved> {
     let comm = &alone.comm;
-    let cells: Vec<u64> = (0..candidate.column.cells()).collect();
-    let mesh = LocalMesh::new(&candidate.column, cells, candidate.column.cells());
+    let mesh = candidate.mesh();
+    let choice = LinearChoice::new(narrow, &mesh.facts);
     let small = BoundaryValueProblem::new(comm, narrow, mesh)?;
-    let choice = LinearChoice::new(narrow, &candidate.column);
     let mut model = solve::build(alone, timers, narrow, choice, small, Vec::new())?;
     let probes = probes::locate(narrow, &model.mesh);
     let (mut states, mut rows) = (Vec::new(), Vec::new());

@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::case::{Case, Fields};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
-use crate::mesh::Column;
+use crate::mesh::MeshFacts;
 use crate::report::memory::entry;
 use crate::solve::model::memory::memory;
 use crate::solve::{LinearChoice, MULTIGRID};
@@ -23,12 +23,12 @@ const USABLE: f64 = 0.95;
 pub fn check(
     comm: &Comm,
     case: &Case,
-    column: &Column,
+    mesh: &MeshFacts,
     choice: &LinearChoice,
     directory: Option<&Path>,
 ) -> Result<()> {
     let ranks = comm.size() as usize;
-    let need = memory(choice.preset, case, column, ranks) / ranks as f64;
+    let need = memory(choice.preset, case, mesh, ranks) / ranks as f64;
     let mine = rustix::system::uname().nodename().to_string_lossy().into_owned();
     let names = comm.exchange(&vec![mine.clone().into_bytes(); ranks]);
     let mut nodes: BTreeMap<&[u8], usize> = BTreeMap::new();
@@ -36,16 +36,17 @@ pub fn check(
         *nodes.entry(name).or_default() += 1;
     }
     let here = nodes.get(mine.as_bytes()).copied().unwrap_or(1);
+    let shares = Ranks { all: ranks, here };
     let local = match available() {
         Some(bytes) if need * here as f64 > USABLE * bytes => {
-            Err(Error::Input(too_large(case, column, choice, (ranks, here), bytes)))
+            Err(Error::Input(too_large(case, mesh, choice, shares, bytes)))
         }
         _ => Ok(()),
     };
     comm.agree(local)?;
     let Some(directory) = directory else { return Ok(()) };
     let free = if comm.is_root() { free(directory) } else { None };
-    let needed = disk(case, column);
+    let needed = disk(case, mesh);
     comm.agree(match free {
         Some(bytes) if needed > bytes => Err(Error::Input(format!(
             "the results need about {}, {} has {}: give fewer instants to output.fields, or another \
@@ -58,16 +59,25 @@ pub fn check(
     })
 }
 
+/// How many ranks there are.
+#[derive(Clone, Copy)]
+struct Ranks {
+    all: usize,
+    /// On this node.
+    here: usize,
+}
+
 /// What is wrong and what would fit, in words.
 fn too_large(
     case: &Case,
-    column: &Column,
+    mesh: &MeshFacts,
     choice: &LinearChoice,
-    (ranks, here): (usize, usize),
+    ranks: Ranks,
     available: f64,
 ) -> String {
+    let Ranks { all: ranks, here } = ranks;
     let preset = choice.preset;
-    let need = memory(preset, case, column, ranks) * here as f64 / ranks as f64;
+    let need = memory(preset, case, mesh, ranks) * here as f64 / ranks as f64;
     let mut text = format!(
         "solver.linear: {preset} needs about {} on a node with {here} of {ranks} ranks, and {} are \
          available there",
@@ -76,13 +86,13 @@ fn too_large(
     );
     // More nodes of this kind, each with as many ranks as this one.
     let fits = |nodes: usize| {
-        memory(preset, case, column, nodes * here) / nodes as f64 <= USABLE * available
+        memory(preset, case, mesh, nodes * here) / nodes as f64 <= USABLE * available
     };
     let nodes = (2..=4096).find(|nodes| fits(*nodes));
     if let Some(nodes) = nodes {
         text += &format!("; it would fit on {nodes} such nodes, {} ranks in all", nodes * here);
     }
-    let lighter = memory(MULTIGRID, case, column, ranks) * here as f64 / ranks as f64;
+    let lighter = memory(MULTIGRID, case, mesh, ranks) * here as f64 / ranks as f64;
     if preset != MULTIGRID && lighter <= USABLE * available {
         text += &format!("; solver.linear: {MULTIGRID} would need about {}", size(lighter));
     }
@@ -93,19 +103,19 @@ fn too_large(
 }
 
 /// Bytes of the field files, the checkpoints and the history, about.
-pub fn disk(case: &Case, column: &Column) -> f64 {
+pub fn disk(case: &Case, mesh: &MeshFacts) -> f64 {
     let instants = match &case.output.fields {
         Fields::All => case.time.len(),
         Fields::None => 0,
         Fields::Times(times) => times.len(),
     };
-    let (nodes, cells) = (column.nodes() as f64, column.cells() as f64);
-    let per_cell = (0..column.bodies()).map(|b| column.shape(b).nodes()).max().unwrap_or(8) as f64;
+    let (nodes, cells) = (mesh.nodes as f64, mesh.cells as f64);
+    let per_cell = mesh.nodes_per_cell as f64;
     // Position and name; connectivity, offset, type, name, material, rank.
     let grid = if instants > 0 { nodes * 32.0 + cells * (8.0 * per_cell + 25.0) } else { 0.0 };
     // Displacement; stress. Pressure; effective stress. Flux and porosity.
     let mut data = nodes * 24.0 + cells * 48.0;
-    let mut row = 16.0 * column.dim as f64;
+    let mut row = 16.0 * mesh.dim as f64;
     if case.has_pressure() {
         data += nodes * 8.0 + cells * 48.0;
     }

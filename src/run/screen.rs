@@ -148,7 +148,7 @@ pub fn describe(comm: &Comm, case: &Case, model: &Model<'_>, reduction: &Reducti
         tracing::info!("elements   {sentence}");
     }
     for (interface, side) in case.interfaces.iter().zip(&model.sides) {
-        let secondary = if side.secondary.upper { "lower" } else { "upper" };
+        let secondary = side.secondary.name();
         tracing::info!(
             "interface  {} at z = {} m: {}, multipliers on the {secondary} side",
             interface.name,

@@ -1,13 +1,12 @@
 //! A run from instant to instant: solves, writes, and tells how it ended.
 
 use std::path::Path;
-use std::time::Duration;
 
 use super::checkpoint::{Keeper, Progress, RunState};
-use super::facts::{linear_solver, modelled, partition_of};
 use super::fields::FieldWriter;
-use super::reduced::Reduced;
-use super::{history, page, probes, screen};
+use super::solution::Solution;
+use super::summary::{Measured, linear_solver, modelled, unused_options};
+use super::{page, probes, screen};
 use crate::case::{Case, Fields};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
@@ -16,11 +15,10 @@ use crate::output::directory::{HISTORY, OutputDirectory, REPORT};
 use crate::output::finite::check_row;
 use crate::output::history::{History, Table};
 use crate::output::publisher::Publisher;
-use crate::reduce::Reduction;
+use crate::output::series::Instant;
 use crate::report::expectations::{Outcome, evaluate};
-use crate::report::{Report, Status, memory, tables, versions};
+use crate::report::{Report, Status, tables, versions};
 use crate::runtime::Runtime;
-use crate::signals;
 use crate::solve::{Accepted, Model};
 use crate::timers::{Phase, Timers};
 
@@ -46,14 +44,6 @@ pub struct Session<'a> {
     publisher: Publisher,
     keeper: Keeper,
     solution: Solution,
-}
-
-/// Whether the states come from a smaller model.
-pub struct Solution {
-    /// Why, or why not.
-    pub reduction: Reduction,
-    /// The smaller model, if they do.
-    pub reduced: Option<Reduced>,
 }
 
 /// How a run has ended that came to its end.
@@ -116,7 +106,8 @@ impl<'a> Session<'a> {
         let solved = self.instants(model);
         let _phase = self.timers.enter(Phase::Output);
         let stopped = matches!(solved, Err(Error::Stopped(_)));
-        if stopped && !self.keeper.is_current(self.last_time(model)) {
+        let last = self.solution.last_time(self.case, model, self.accepted);
+        if stopped && !self.keeper.is_current(last) {
             self.write_checkpoint(model)?;
         }
         let flushed = self.history.as_ref().map_or(Ok(()), History::flush);
@@ -131,15 +122,13 @@ impl<'a> Session<'a> {
         tracing::info!("{}", tables::instant_header(&names));
         let progress = screen::Progress::new(self.comm.is_root(), self.case.time.len());
         for (number, time) in self.case.time.iter().enumerate().skip(self.accepted) {
-            let accepted = self.advance(model, number, *time)?;
+            let accepted = self.advance(model, number)?;
             self.counts[0] += accepted.newton_iterations as u64;
             self.counts[1] += accepted.linear_iterations as u64;
             self.residual_norms.push(accepted.residual_norm);
             let _phase = self.timers.enter(Phase::Output);
-            let mut row = match &self.solution.reduced {
-                Some(reduced) => reduced.instant(number).1,
-                None => history::row(self.case, model, &probes, *time, &accepted, self.comm),
-            };
+            let (comm, case) = (self.comm, self.case);
+            let mut row = self.solution.row(comm, case, model, &probes, number, &accepted);
             fault::strike_values(self.comm, "row", row.iter_mut().flatten())?;
             self.check_row(*time, &row)?;
             let pushed = match &mut self.history {
@@ -149,11 +138,9 @@ impl<'a> Session<'a> {
             self.comm.agree(pushed)?;
             fault::strike(self.comm, "history")?;
             if self.writes_fields(*time) {
-                let step = (number + 1, *time);
-                if let Some(reduced) = &self.solution.reduced {
-                    reduced.show(model, number);
-                }
-                self.fields.write(self.comm, &mut self.publisher, self.case, model, step)?;
+                let instant = Instant { step: number + 1, time: *time };
+                self.solution.show(model, number);
+                self.fields.write(self.comm, &mut self.publisher, self.case, model, instant)?;
             }
             self.accepted = number + 1;
             if let Some(history) = &self.history {
@@ -171,17 +158,11 @@ impl<'a> Session<'a> {
     }
 
     /// Reaches the next instant. Collective.
-    fn advance(&mut self, model: &mut Model<'_>, number: usize, time: f64) -> Result<Accepted> {
+    fn advance(&mut self, model: &mut Model<'_>, number: usize) -> Result<Accepted> {
         let timers = self.timers;
         let _phase = timers.enter(Phase::Solve);
-        if let Some(reduced) = &self.solution.reduced {
-            return match signals::stop(self.comm, Duration::ZERO) {
-                Some(reason) => Err(signals::stopped(reason)),
-                None => Ok(reduced.instant(number).0),
-            };
-        }
         loop {
-            if let Some(accepted) = model.stepper.advance(time)? {
+            if let Some(accepted) = self.solution.advance(self.comm, self.case, model, number)? {
                 return Ok(accepted);
             }
             let _phase = timers.enter(Phase::Output);
@@ -199,14 +180,6 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Time of the last accepted state (s).
-    fn last_time(&self, model: &Model<'_>) -> f64 {
-        match (&self.solution.reduced, self.accepted.checked_sub(1)) {
-            (Some(_), Some(last)) => self.case.time[last],
-            _ => model.stepper.time(),
-        }
-    }
-
     /// Refuses a row that is not finite on some rank. Collective.
     fn check_row(&self, time: f64, row: &[Option<f64>]) -> Result<()> {
         let file = self.directory.as_ref().map_or(HISTORY.into(), OutputDirectory::history);
@@ -217,10 +190,7 @@ impl<'a> Session<'a> {
     /// Collective.
     fn write_checkpoint(&mut self, model: &mut Model<'_>) -> Result<()> {
         let Some(directory) = &self.directory else { return Ok(()) };
-        if let (Some(reduced), Some(last)) = (&self.solution.reduced, self.accepted.checked_sub(1))
-        {
-            reduced.adopt(model, last)?;
-        }
+        self.solution.adopt(model, self.accepted)?;
         let progress = Progress {
             accepted: self.accepted,
             counts: self.counts,
@@ -229,7 +199,7 @@ impl<'a> Session<'a> {
             fields: &self.fields.written,
         };
         let (directory, publisher) = (directory.path(), &mut self.publisher);
-        self.keeper.write(self.comm, publisher, directory, (self.case, model), &progress)
+        self.keeper.write(self.comm, publisher, directory, self.case, model, &progress)
     }
 
     fn writes_fields(&self, time: f64) -> bool {
@@ -253,67 +223,74 @@ impl<'a> Session<'a> {
         let outcomes = if solved.is_ok() { self.outcomes() } else { Ok(Vec::new()) };
         let outcomes = self.comm.agree(outcomes)?;
         let met = !self.comm.any(outcomes.iter().any(|o| !o.met));
-        let status = match (&solved, met) {
-            (Err(Error::Stopped(_)), _) => Status::Stopped,
-            (Err(_), _) => Status::Failed,
-            (Ok(()), false) => Status::ExpectationMissed,
-            (Ok(()), true) => Status::Done,
-        };
-        let partition = partition_of(self.comm, model);
-        let timings = self.timers.slowest(self.comm);
-        let memory = memory::peak(self.comm);
-        let cells = self.comm.sum_u64(model.mesh.cells.len() as u64);
-        let names: Vec<String> = self.case.interfaces.iter().map(|i| i.name.clone()).collect();
-        let unused = runtime.petsc.unused_options()?.into_iter();
-        let warnings: Vec<String> =
-            unused.map(|option| format!("the PETSc option {option} was not used")).collect();
+        let measured = Measured::of(self.comm, self.timers, model);
+        let warnings = unused_options(runtime)?;
         for warning in &warnings {
             tracing::warn!("warning: {warning}");
         }
-        let linear_solver = linear_solver(runtime, model)?;
-        fault::strike_values(self.comm, "report", &mut self.residual_norms)?;
-        let report = self.history.as_ref().map(|history| Report {
-            status,
-            message: solved.as_ref().err().map(ToString::to_string),
-            title: self.case.title.clone(),
-            ranks: self.comm.size() as usize,
-            model: modelled(self.case),
-            reduction: self.solution.reduction.clone(),
-            cells,
-            unknowns: model.unknowns,
-            newton_iterations: self.counts[0],
-            linear_iterations: self.counts[1],
-            residual_norms: self.residual_norms.clone(),
-            instabilities: model.stepper.instabilities_in_words(),
-            bifurcations: model.stepper.bifurcations_in_words(),
-            remarks: model.stepper.remarks(),
-            linear_solver: linear_solver.clone(),
-            timings,
-            peak_memory_bytes: memory,
-            partition,
-            instants: tables::instants(history.table(), &names, 0),
-            expectations: outcomes,
-            versions: versions(),
-            case: self.case.resolved(),
-        });
-        let path = self.directory.as_ref().map(OutputDirectory::path);
-        let written = match (&report, &self.directory) {
-            (Some(report), Some(directory)) => report.write(&directory.report()),
-            (Some(report), None) => report.check(Path::new(REPORT)),
-            (None, _) => Ok(()),
-        };
-        let mut written = self.comm.agree(written);
-        if wants_page && written.is_ok() {
-            written = self.write_page(report.as_ref(), &warnings);
-        }
+        let message = solved.as_ref().err().map(ToString::to_string);
+        let ending = Ending { status: status(&solved, met), message, outcomes };
+        let report = self.report(runtime, model, ending, measured)?;
+        let written = self.write(report.as_ref(), wants_page.then_some(&warnings[..]));
         if let (Some(report), Ok(())) = (&report, &written) {
-            screen::close(report, path);
+            screen::close(report, self.directory.as_ref().map(OutputDirectory::path));
         }
         if let (Err(_), Err(error)) = (&solved, &written) {
             tracing::warn!("warning: {error}");
         }
         solved.map_err(|error| self.with_place(error)).and(written)?;
         Ok(Ended { met, told: report.zip(self.history.map(History::into_table)) })
+    }
+
+    /// The report, on rank 0. Collective.
+    fn report(
+        &mut self,
+        runtime: &Runtime,
+        model: &Model<'_>,
+        ending: Ending,
+        measured: Measured,
+    ) -> Result<Option<Report>> {
+        let linear_solver = linear_solver(runtime, model)?;
+        fault::strike_values(self.comm, "report", &mut self.residual_norms)?;
+        let Some(history) = &self.history else { return Ok(None) };
+        let stepper = &model.stepper;
+        let names: Vec<String> = self.case.interfaces.iter().map(|i| i.name.clone()).collect();
+        Ok(Some(Report {
+            status: ending.status,
+            message: ending.message,
+            title: self.case.title.clone(),
+            ranks: self.comm.size() as usize,
+            model: modelled(self.case),
+            reduction: self.solution.reduction().clone(),
+            cells: measured.cells,
+            unknowns: model.unknowns,
+            newton_iterations: self.counts[0],
+            linear_iterations: self.counts[1],
+            residual_norms: self.residual_norms.clone(),
+            instabilities: stepper.instabilities_in_words(),
+            bifurcations: stepper.bifurcations_in_words(),
+            remarks: stepper.remarks(),
+            linear_solver,
+            timings: measured.timings,
+            peak_memory_bytes: measured.memory,
+            partition: measured.partition,
+            instants: tables::instants(history.table(), &names, 0),
+            expectations: ending.outcomes,
+            versions: versions(),
+            case: self.case.resolved(),
+        }))
+    }
+
+    /// Writes the report and, with the `warnings` that it is to hold, the page. Collective; rank 0
+    /// has a report.
+    fn write(&self, report: Option<&Report>, warnings: Option<&[String]>) -> Result<()> {
+        let written = match (report, &self.directory) {
+            (Some(report), Some(directory)) => report.write(&directory.report()),
+            (Some(report), None) => report.check(Path::new(REPORT)),
+            (None, _) => Ok(()),
+        };
+        self.comm.agree(written)?;
+        warnings.map_or(Ok(()), |warnings| self.write_page(report, warnings))
     }
 
     /// Collective; rank 0 has a report.
@@ -356,5 +333,23 @@ impl<'a> Session<'a> {
         expect
             .map(|e| evaluate(history.table(), &e.quantity, e.at, e.equals, e.relative, e.absolute))
             .collect()
+    }
+}
+
+/// How a run ended.
+struct Ending {
+    status: Status,
+    /// Why, when it did not end well.
+    message: Option<String>,
+    outcomes: Vec<Outcome>,
+}
+
+/// The status of a run in which all expectations were `met` or not.
+fn status(solved: &Result<()>, met: bool) -> Status {
+    match (solved, met) {
+        (Err(Error::Stopped(_)), _) => Status::Stopped,
+        (Err(_), _) => Status::Failed,
+        (Ok(()), false) => Status::ExpectationMissed,
+        (Ok(()), true) => Status::Done,
     }
 }

@@ -17,8 +17,8 @@ use crate::case::{Case, Control, Form};
 use crate::error::Result;
 use crate::fault;
 use crate::interface::Sides;
-use crate::mesh::{Column, LocalMesh, axes};
-use crate::multigrid::Hierarchy;
+use crate::mesh::{LocalMesh, MeshFacts, axes};
+use crate::multigrid::{Hierarchy, Level};
 use crate::petsc::{KspSetup, LinearOperator, Matrix, Snes, Vector};
 use crate::runtime::Runtime;
 use crate::space::AtNode;
@@ -57,14 +57,17 @@ pub fn build<'a>(
     let unknowns = all.nodes.total * dim as u64;
     let laws = joint_laws(case, &mesh, &sides);
     let owned = all.secondary[..all.owned_secondary()].iter();
-    let named = owned.map(|rows| (rows.interface, all.nodes.names[rows.node as usize]));
-    let factors = AtNode::agree(comm, strength_factors(case, &mesh.column, named))?;
+    let places = owned.map(|rows| {
+        let node = rows.node as usize;
+        (rows.interface, all.nodes.names[node], all.nodes.points[node])
+    });
+    let factors = AtNode::agree(comm, strength_factors(case, places))?;
     let mut interfaces = InterfaceState::new(dim, laws, factors);
     interfaces.is_gradual = case.interfaces.iter().any(|i| i.film.is_some());
     let names = case.interfaces.iter().map(|i| i.name.clone()).collect();
     let solver = &case.solver;
-    let tolerance = solver.tolerance * share_of_corners(&mesh.column);
-    let mut convergence = Convergence::new(tolerance, solver.max_newton, &mesh.column, names);
+    let tolerance = solver.tolerance * share_of_corners(&mesh.facts);
+    let mut convergence = Convergence::new(tolerance, solver.max_newton, names);
     convergence.other = if case.flow.is_some() {
         "the balance of the fluid"
     } else {
@@ -75,13 +78,15 @@ pub fn build<'a>(
     fault::strike(comm, "setup")?;
     let mut levels = Vec::new();
     if choice.preset == MULTIGRID {
+        let mut below: Option<LocalMesh> = None;
         for mesh in coarser {
-            let all = discretize(comm, case, &mesh, &sides)?;
-            levels.push((mesh.column.clone(), Rc::new(all)));
+            let all = Rc::new(discretize(comm, case, &mesh, &sides)?);
+            levels.push(level(&mesh, all, below.as_ref()));
+            below = Some(mesh);
         }
-        levels.push((mesh.column.clone(), Rc::clone(&all)));
+        levels.push(level(&mesh, Rc::clone(&all), below.as_ref()));
     }
-    let system = system(runtime, case, &choice, &mesh, &all, levels)?;
+    let system = system(runtime, case, &choice, &all, levels)?;
     let System { snes, form, diagonal, saddle, rows } = system;
     let known_pressure = known_pressure(comm, case, (&mesh, &all))?;
     let (snes, mut x, mut coupling) = if let Some(flow) = &case.flow {
@@ -103,8 +108,9 @@ pub fn build<'a>(
         unknowns.iter_mut().zip(&flow.pressure).for_each(|(x, p)| *x = p / flow.scale);
         flow.begin(comm, &all, &vec![0.0; all.nodes.len() * dim]);
     }
-    let form = (form, diagonal);
-    let mut problem = Problem::new(comm, timers, all, loads, interfaces, form, convergence, target);
+    let (form, facts) = ((form, diagonal), mesh.facts.clone());
+    let mut problem =
+        Problem::new(comm, timers, all, loads, interfaces, form, convergence, target, facts);
     let path =
         |control: &Control| PathControl::new(control.clone(), control.words(&case.interfaces));
     problem.known_pressure = known_pressure;
@@ -114,11 +120,18 @@ pub fn build<'a>(
     Ok(Model { stepper, mesh, sides, choice, unknowns: unknowns + pressures })
 }
 
+/// A level of multigrid, with its nodes' dependence on those of the one below.
+fn level(mesh: &LocalMesh, all: Rc<Discretization>, below: Option<&LocalMesh>) -> Level {
+    let owned = &all.nodes.names[..all.nodes.owned];
+    let interpolation = below.map(|below| mesh.interpolation(below, owned)).unwrap_or_default();
+    Level { all, interpolation }
+}
+
 /// Part of the tolerance of forces that holds. Tolerances are relative to the largest nodal force;
 /// of second order the corners of a face have a sixteenth of the weight of its centre, of first
 /// order a quarter of that of an inner node, and the same force at them is the more traction.
-fn share_of_corners(column: &Column) -> f64 {
-    if column.highest_order() == 1 { 1.0 } else { 0.25 }
+fn share_of_corners(mesh: &MeshFacts) -> f64 {
+    if mesh.order == 1 { 1.0 } else { 0.25 }
 }
 
 /// The solver with the form of its tangent.
@@ -145,9 +158,8 @@ fn system(
     runtime: &Runtime,
     case: &Case,
     choice: &LinearChoice,
-    mesh: &LocalMesh,
     all: &Rc<Discretization>,
-    levels: Vec<(Column, Rc<Discretization>)>,
+    levels: Vec<Level>,
 ) -> Result<System> {
     let (comm, petsc, dim) = (&runtime.comm, &runtime.petsc, all.dim);
     let mut largest = [all.cells.largest_diagonal()];
@@ -190,7 +202,7 @@ fn system(
     let rows = own.len() * dim;
     let mut matrix = Matrix::new(petsc, rows, dim, &own, &other)?;
     if choice.preset == "gamg" {
-        set_rigid_motions(runtime, mesh, all, &mut matrix)?;
+        set_rigid_motions(runtime, all, &mut matrix)?;
     }
     let form = TangentForm::Assembled(Tangent::new(all, pattern, diagonal));
     let snes = Snes::new(petsc, prefix, matrix, &setup)?;
@@ -200,26 +212,19 @@ fn system(
 /// The laws, with the augmentation that suits the stiffness of the cells behind the interface.
 fn joint_laws(case: &Case, mesh: &LocalMesh, sides: &[Sides]) -> Vec<JointLaw> {
     let law = |(spec, side): (&crate::case::InterfaceSpec, &Sides)| {
-        let place = mesh.column.facet_cell(side.secondary, [0, 0]);
-        let (size, material) = mesh.column.cell_size(place);
-        let stiffness = case.materials[material].young_modulus / size[2];
+        let lip = side.secondary_facts(&mesh.facts);
+        let stiffness = case.materials[lip.material].young_modulus / lip.cell[2];
         JointLaw { spec: spec.law.clone(), augmentation: spec.law.law().augmentation(stiffness) }
     };
     case.interfaces.iter().zip(sides).map(law).collect()
 }
 
 /// Gives smoothed aggregation the rigid-body motions.
-fn set_rigid_motions(
-    runtime: &Runtime,
-    mesh: &LocalMesh,
-    all: &Discretization,
-    matrix: &mut Matrix,
-) -> Result<()> {
+fn set_rigid_motions(runtime: &Runtime, all: &Discretization, matrix: &mut Matrix) -> Result<()> {
     let mut coordinates = Vector::new(&runtime.petsc, all.nodes.owned * all.dim, all.dim)?;
     {
         let mut values = coordinates.write()?;
-        for (node, name) in all.nodes.names[..all.nodes.owned].iter().enumerate() {
-            let point = mesh.column.point(*name);
+        for (node, point) in all.nodes.points[..all.nodes.owned].iter().enumerate() {
             for (c, axis) in axes(all.dim).iter().enumerate() {
                 values[node * all.dim + c] = point[*axis];
             }

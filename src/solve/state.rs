@@ -238,7 +238,11 @@ impl Stepper<'_> {
         let problem = &mut self.problem;
         let (comm, all) = (problem.comm, Rc::clone(&problem.all));
         let flow = &mut coupling.flow;
-        let rows = comm.from_slabs(all.nodes.total, nodal, &flow.space.displacement_names);
+        let rows = comm.from_slabs(
+            all.nodes.total,
+            nodal,
+            &flow.space.nodes.names[..flow.space.nodes.owned],
+        );
         let rows: Option<Vec<Vec<f64>>> = rows.into_iter().collect();
         let absent = || Error::Input("the checkpoint lacks a pressure of this mesh".into());
         let rows = comm.agree(rows.ok_or_else(absent))?;

@@ -3,11 +3,16 @@
 use super::Directory;
 use crate::comm::{Comm, Neighbours};
 use crate::error::Result;
+use crate::mesh::{Marks, Places};
 
 /// Local nodes, owned first (by rising name), then ghosts (by owner, then number).
 pub struct Nodes {
     /// Name of each local node.
     pub names: Vec<u64>,
+    /// Position of each local node (m).
+    pub points: Vec<[f64; 3]>,
+    /// Where each local node lies.
+    pub marks: Vec<Marks>,
     /// Block number of each local node among all nodes.
     pub numbers: Vec<i32>,
     /// Owned nodes.
@@ -27,8 +32,14 @@ pub struct Nodes {
 }
 
 impl Nodes {
-    /// The owned nodes of the directory and the given further nodes, owned or not. Collective.
-    pub fn new(comm: &Comm, directory: &Directory<'_>, needed: &[u64]) -> Result<Self> {
+    /// The owned nodes of the directory and the given further nodes, owned or not. `places` has the
+    /// owned ones, by rising name. Collective.
+    pub fn new(
+        comm: &Comm,
+        directory: &Directory<'_>,
+        needed: &[u64],
+        places: &Places,
+    ) -> Result<Self> {
         let owned = directory.owned.len();
         let mut others: Vec<u64> =
             needed.iter().copied().filter(|n| directory.owned.binary_search(n).is_err()).collect();
@@ -53,7 +64,9 @@ impl Nodes {
             directory.owned.iter().copied().chain(ghosts.iter().map(|g| g.1)).collect();
         let mut by_name: Vec<u32> = (0..names.len() as u32).collect();
         by_name.sort_unstable_by_key(|i| names[*i as usize]);
-        Ok(Self {
+        let mut nodes = Self {
+            points: Vec::new(),
+            marks: Vec::new(),
             numbers: (first..first + owned as i32).chain(ghosts.iter().map(|g| g.0.1)).collect(),
             names,
             owned,
@@ -64,7 +77,24 @@ impl Nodes {
             shared: asked.iter().flatten().map(|n| (n - first) as u32).collect(),
             forward: Neighbours::new(comm, to_send.clone(), to_receive.clone())?,
             backward: Neighbours::new(comm, to_receive, to_send)?,
-        })
+        };
+        nodes.place(places);
+        Ok(nodes)
+    }
+
+    /// Takes positions and marks of the owned nodes, and gets those of the ghosts. Collective.
+    fn place(&mut self, places: &Places) {
+        const WIDTH: usize = 4;
+        let mut values = vec![0.0; self.len() * WIDTH];
+        for (name, values) in self.names[..self.owned].iter().zip(values.chunks_exact_mut(WIDTH)) {
+            let at = places.number(*name).expect("an owned node is one of the rank's cells");
+            values[..3].copy_from_slice(&places.points[at]);
+            values[3] = places.marks[at].packed();
+        }
+        self.update_ghosts(&mut values, WIDTH);
+        let nodes = values.chunks_exact(WIDTH);
+        self.points = nodes.clone().map(|v| [v[0], v[1], v[2]]).collect();
+        self.marks = nodes.map(|v| Marks::unpacked(v[3])).collect();
     }
 
     /// Ranks whose nodes this rank holds, or that hold its nodes.
@@ -80,6 +110,23 @@ impl Nodes {
     /// Whether this rank holds no node.
     pub fn is_empty(&self) -> bool {
         self.names.is_empty()
+    }
+
+    /// Name, position and marks of every owned node.
+    pub fn iter_owned(&self) -> impl Iterator<Item = (u64, [f64; 3], &Marks)> {
+        let places = self.names[..self.owned].iter().zip(&self.points).zip(&self.marks);
+        places.map(|((name, point), marks)| (*name, *point, marks))
+    }
+
+    /// The place of a node of any rank, in words. Collective.
+    pub fn place_in_words(&self, comm: &Comm, name: u64) -> String {
+        let mut point = [f64::NEG_INFINITY; 3];
+        if let Some(node) = self.local(name) {
+            point = self.points[node as usize];
+        }
+        comm.max(&mut point);
+        let [x, y, z] = point;
+        format!("at ({x}, {y}, {z}) m")
     }
 
     /// Local number of a node that this rank holds.

@@ -3,40 +3,39 @@
 use crate::case::{BoundarySpec, Case};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
-use crate::mesh::{Column, axes};
+use crate::mesh::{Marks, Places, axes};
 
 /// The prescribed displacements of a case.
 #[derive(Debug, Clone)]
 pub struct Prescribed {
-    column: Column,
+    dim: usize,
     /// With their numbers in the case.
     entries: Vec<(usize, BoundarySpec)>,
 }
 
 impl Prescribed {
     /// From the boundary entries that prescribe a displacement.
-    pub fn new(case: &Case, column: &Column) -> Self {
+    pub fn new(case: &Case) -> Self {
         let prescribes = |b: &BoundarySpec| b.displacement.iter().any(Option::is_some);
         let entries = case.boundary.iter().cloned().enumerate();
-        Self { column: column.clone(), entries: entries.filter(|(_, b)| prescribes(b)).collect() }
+        Self { dim: case.dim, entries: entries.filter(|(_, b)| prescribes(b)).collect() }
     }
 
     /// The entry that prescribes each component of a node: the first of those that do, by its
     /// index among the entries that prescribe displacements.
-    pub fn entries_of(&self, node: u64) -> [Option<usize>; 3] {
-        let surfaces = self.column.surfaces(node);
+    pub fn entries_of(&self, node: &Marks) -> [Option<usize>; 3] {
         let mut of = [None; 3];
-        for (component, axis) in axes(self.column.dim).iter().enumerate() {
+        for (component, axis) in axes(self.dim).iter().enumerate() {
             of[component] = self
                 .entries
                 .iter()
-                .position(|(_, e)| e.displacement[*axis].is_some() && surfaces.contains(e.on));
+                .position(|(_, e)| e.displacement[*axis].is_some() && node.is_on(e.on));
         }
         of
     }
 
     /// Which components of a node are prescribed.
-    pub fn components_of(&self, node: u64) -> [bool; 3] {
+    pub fn components_of(&self, node: &Marks) -> [bool; 3] {
         self.entries_of(node).map(|e| e.is_some())
     }
 
@@ -45,16 +44,15 @@ impl Prescribed {
         self.entries[entry].1.on.name()
     }
 
-    /// The value of a prescribed component (m).
+    /// The value of a prescribed component at a point (m).
     ///
     /// # Errors
     /// `Input` when a formula gives no finite number there.
-    pub fn value(&self, entry: usize, component: usize, node: u64, time: f64) -> Result<f64> {
-        self.value_along(entry, axes(self.column.dim)[component], node, time)
+    pub fn value(&self, entry: usize, component: usize, point: [f64; 3], time: f64) -> Result<f64> {
+        self.value_along(entry, axes(self.dim)[component], point, time)
     }
 
-    fn value_along(&self, entry: usize, axis: usize, node: u64, time: f64) -> Result<f64> {
-        let point = self.column.point(node);
+    fn value_along(&self, entry: usize, axis: usize, point: [f64; 3], time: f64) -> Result<f64> {
         let displacement = &self.entries[entry].1.displacement[axis];
         let value = displacement.as_ref().map_or(0.0, |v| v.at(point, time));
         if value.is_finite() {
@@ -69,22 +67,22 @@ impl Prescribed {
         )))
     }
 
-    /// The largest magnitude that is prescribed at the nodes at any instant (m). Local: `nodes` are
-    /// names.
+    /// The largest magnitude that is prescribed at the nodes at any instant (m). Local.
     ///
     /// # Errors
     /// At the first node where a formula gives no finite number, naming entry, place and time.
     pub fn largest_value(
         &self,
-        nodes: &[u64],
+        nodes: &Places,
         instants: &[f64],
     ) -> std::result::Result<f64, AtNode> {
         let mut largest = 0.0_f64;
-        for node in nodes {
-            for (entry, axis) in self.all_of(*node) {
+        for (node, marks) in nodes.marks.iter().enumerate() {
+            for (entry, axis) in self.all_of(marks) {
                 for time in instants {
-                    let value = self.value_along(entry, axis, *node, *time);
-                    largest = largest.max(value.map_err(|error| AtNode(*node, error))?.abs());
+                    let value = self.value_along(entry, axis, nodes.points[node], *time);
+                    let value = value.map_err(|error| AtNode(nodes.names[node], error))?;
+                    largest = largest.max(value.abs());
                 }
             }
         }
@@ -92,31 +90,32 @@ impl Prescribed {
     }
 
     /// Checks that entries which prescribe the same component of a node agree at every instant, to
-    /// 1e-12 of the `largest` value of the case. Local: `nodes` are names.
+    /// 1e-12 of the `largest` value of the case. Local.
     ///
     /// # Errors
     /// At the first node where they do not, naming both entries, the place and the two values.
     pub fn check_agreement(
         &self,
-        nodes: &[u64],
+        nodes: &Places,
         instants: &[f64],
         largest: f64,
     ) -> std::result::Result<(), AtNode> {
-        for node in nodes {
-            let all = self.all_of(*node);
+        for (node, marks) in nodes.marks.iter().enumerate() {
+            let (name, point) = (nodes.names[node], nodes.points[node]);
+            let all = self.all_of(marks);
             for (position, (other, axis)) in all.iter().enumerate() {
                 let Some((first, _)) = all[..position].iter().find(|(_, a)| a == axis) else {
                     continue;
                 };
                 for time in instants {
                     let value = |entry| {
-                        let value = self.value_along(entry, *axis, *node, *time);
-                        value.map_err(|error| AtNode(*node, error))
+                        let value = self.value_along(entry, *axis, point, *time);
+                        value.map_err(|error| AtNode(name, error))
                     };
                     let (one, two) = (value(*first)?, value(*other)?);
                     if (one - two).abs() > 1e-12 * largest {
-                        let error = self.disagreement([*first, *other], *axis, *node, *time);
-                        return Err(AtNode(*node, error([one, two])));
+                        let error = self.disagreement([*first, *other], *axis, point, *time);
+                        return Err(AtNode(name, error([one, two])));
                     }
                 }
             }
@@ -125,13 +124,12 @@ impl Prescribed {
     }
 
     /// Every entry and axis that prescribe something at a node.
-    fn all_of(&self, node: u64) -> Vec<(usize, usize)> {
-        let surfaces = self.column.surfaces(node);
-        let on = |e: &BoundarySpec| surfaces.contains(e.on);
+    fn all_of(&self, node: &Marks) -> Vec<(usize, usize)> {
+        let on = |e: &BoundarySpec| node.is_on(e.on);
         let entries = self.entries.iter().enumerate().filter(|(_, (_, e))| on(e));
         entries
             .flat_map(|(index, (_, e))| {
-                let given = axes(self.column.dim).iter().filter(|a| e.displacement[**a].is_some());
+                let given = axes(self.dim).iter().filter(|a| e.displacement[**a].is_some());
                 given.map(move |axis| (index, *axis))
             })
             .collect()
@@ -141,10 +139,9 @@ impl Prescribed {
         &self,
         entries: [usize; 2],
         axis: usize,
-        node: u64,
+        [x, y, z]: [f64; 3],
         time: f64,
     ) -> impl Fn([f64; 2]) -> Error {
-        let [x, y, z] = self.column.point(node);
         let [first, second] = entries.map(|e| self.name(e));
         let axis = ["x", "y", "z"][axis];
         move |[one, two]| {

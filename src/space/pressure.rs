@@ -3,7 +3,7 @@
 use super::AtNode;
 use crate::case::{Case, Surface, Value};
 use crate::error::{Error, Result};
-use crate::mesh::{Column, Facets};
+use crate::mesh::{Lip, Marks};
 
 /// Where an entry prescribes the pressure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,25 +18,14 @@ enum Place {
 /// then those of the boundary.
 #[derive(Debug, Clone)]
 pub struct PrescribedPressure {
-    /// The column of the pressure nodes.
-    column: Column,
     entries: Vec<(String, Place, Value)>,
     /// Interfaces from which fluid flows into the pores.
     feeding: Vec<usize>,
 }
 
-/// The face of a body that is a lip of an interface.
-fn lip(interface: usize, upper: bool) -> Facets {
-    if upper {
-        Facets { body: interface + 1, upper: false }
-    } else {
-        Facets { body: interface, upper: true }
-    }
-}
-
 impl PrescribedPressure {
-    /// From the case; `column` is the one with cells of first order.
-    pub fn new(case: &Case, column: &Column) -> Self {
+    /// From the case.
+    pub fn new(case: &Case) -> Self {
         let mut entries = Vec::new();
         for (index, interface) in case.interfaces.iter().enumerate().filter(|(_, i)| i.connected) {
             if let Some(pressure) = &interface.fluid_pressure {
@@ -51,43 +40,35 @@ impl PrescribedPressure {
             }
         }
         let feeding = (0..case.interfaces.len()).filter(|i| case.has_flux(&case.interfaces[*i]));
-        Self { column: column.clone(), entries, feeding: feeding.collect() }
+        Self { entries, feeding: feeding.collect() }
     }
 
     /// The entry that prescribes the pressure of a node: the first of those that do.
-    pub fn entry_of(&self, node: u64) -> Option<usize> {
+    pub fn entry_of(&self, node: &Marks) -> Option<usize> {
         self.entries_of(node).next()
     }
 
-    fn entries_of(&self, node: u64) -> impl Iterator<Item = usize> {
-        let surfaces = self.column.surfaces(node);
+    fn entries_of(&self, node: &Marks) -> impl Iterator<Item = usize> {
         let is_on = move |place: &Place| match *place {
-            Place::Surface(surface) => surfaces.contains(surface),
-            Place::Lips(index) => self.is_lip(index, node),
+            Place::Surface(surface) => node.is_on(surface),
+            Place::Lips(index) => node.lip().is_some_and(|(interface, _)| interface == index),
         };
         let entries = self.entries.iter().enumerate();
         entries.filter(move |(_, entry)| is_on(&entry.1)).map(|(index, _)| index)
     }
 
-    /// Whether a node lies on a lip of an interface.
-    fn is_lip(&self, index: usize, node: u64) -> bool {
-        [false, true].iter().any(|upper| self.column.is_on(lip(index, *upper), node))
+    /// The interface on whose lip a node lies, and which lip that is; only of interfaces from which
+    /// fluid flows into the pores.
+    pub fn lip_of(&self, node: &Marks) -> Option<(usize, Lip)> {
+        node.lip().filter(|(interface, _)| self.feeding.contains(interface))
     }
 
-    /// The interface on whose lip a node lies, and whether that is the upper lip; only of
-    /// interfaces from which fluid flows into the pores.
-    pub fn lip_of(&self, node: u64) -> Option<(usize, bool)> {
-        let lips = self.feeding.iter().flat_map(|index| [(*index, false), (*index, true)]);
-        lips.into_iter().find(|(index, upper)| self.column.is_on(lip(*index, *upper), node))
-    }
-
-    /// The pressure that an entry prescribes at a node (Pa).
+    /// The pressure that an entry prescribes at a point (Pa).
     ///
     /// # Errors
     /// `Input` when a formula gives no finite number there.
-    pub fn value(&self, entry: usize, node: u64, time: f64) -> Result<f64> {
+    pub fn value(&self, entry: usize, [x, y, z]: [f64; 3], time: f64) -> Result<f64> {
         let (name, _, value) = &self.entries[entry];
-        let [x, y, z] = self.column.point(node);
         let pressure = value.at([x, y, z], time);
         if pressure.is_finite() {
             return Ok(pressure);
@@ -99,27 +80,31 @@ impl PrescribedPressure {
     }
 
     /// Checks that values are finite and that entries which prescribe the pressure of the same node
-    /// agree, at every instant to 1e-12 of the largest of the two. Local: `nodes` are names.
+    /// agree, at every instant to 1e-12 of the largest of the two. Local.
     ///
     /// # Errors
     /// At the first node where they do not, naming the entries, the place and the values.
-    pub fn check(&self, nodes: &[u64], instants: &[f64]) -> std::result::Result<(), AtNode> {
-        for node in nodes {
-            let mut entries = self.entries_of(*node);
+    pub fn check<'n>(
+        &self,
+        nodes: impl Iterator<Item = (u64, [f64; 3], &'n Marks)>,
+        instants: &[f64],
+    ) -> std::result::Result<(), AtNode> {
+        for (node, point, marks) in nodes {
+            let mut entries = self.entries_of(marks);
             let Some(first) = entries.next() else { continue };
             for time in instants {
                 let value = |entry| {
-                    let value = self.value(entry, *node, *time);
-                    value.map_err(|error| AtNode(*node, error))
+                    let value = self.value(entry, point, *time);
+                    value.map_err(|error| AtNode(node, error))
                 };
                 let one = value(first)?;
-                for other in self.entries_of(*node).skip(1) {
+                for other in self.entries_of(marks).skip(1) {
                     let two = value(other)?;
                     if (one - two).abs() > 1e-12 * one.abs().max(two.abs()) {
-                        let [x, y, z] = self.column.point(*node);
+                        let [x, y, z] = point;
                         let (a, b) = (&self.entries[first].0, &self.entries[other].0);
                         return Err(AtNode(
-                            *node,
+                            node,
                             Error::Input(format!(
                                 "{a} and {b} prescribe {one} and {two} Pa at ({x}, {y}, {z}) m at \
                                  time {time}; where they meet they must agree"

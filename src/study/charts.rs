@@ -17,15 +17,8 @@ pub(super) fn chart_of(
 ) -> Option<Chart> {
     let index = index.to_string();
     let at = |name: &'static str| ["charts", index.as_str(), name];
-    let sound = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     let name = &section.name;
-    if name.is_empty() || name.len() > LONGEST_NAME || !name.chars().all(sound) {
-        let what = format!("charts.{index}.name must be of letters, digits, _ and -, got `{name}`");
-        checker.add(&at("name"), what);
-    }
-    if study.charts.iter().any(|chart| chart.name == *name) {
-        checker.add(&at("name"), format!("charts.{index}.name: `{name}` is taken"));
-    }
+    check_name(checker, study, &index, name);
     let (x, y) = match section.kind {
         Kind::Lines | Kind::Map => (section.x.clone(), section.y.clone()),
         Kind::StrongScaling | Kind::WeakScaling => {
@@ -71,6 +64,19 @@ pub(super) fn chart_of(
         pareto: section.pareto,
         fit: section.fit,
     })
+}
+
+/// Refuses a name of a chart that files cannot have, or another chart has.
+fn check_name(checker: &mut Checker<'_>, study: &Study, index: &str, name: &str) {
+    let steps = ["charts", index, "name"];
+    let sound = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    if name.is_empty() || name.len() > LONGEST_NAME || !name.chars().all(sound) {
+        let what = format!("charts.{index}.name must be of letters, digits, _ and -, got `{name}`");
+        checker.add(&steps, what);
+    }
+    if study.charts.iter().any(|chart| chart.name == name) {
+        checker.add(&steps, format!("charts.{index}.name: `{name}` is taken"));
+    }
 }
 
 fn quantity_of(study: &Study, name: &str, only_axes: bool) -> Option<Quantity> {

@@ -7,16 +7,14 @@ use std::time::Duration;
 use serde_json::Value as Json;
 
 use super::file::{
-    AgainstSection, AtSection, AxisSection, Expect, Keep, MeasureSection, Norm, StudyFile,
+    AtSection, AxisSection, Expect, Keep, MeasureSection, Norm, ReferenceSection, StudyFile,
 };
-use super::spec::{Against, Assignment, At, Axis, BUILT_IN, Choice, Measure, Reference, Study};
+use super::spec::{Assignment, At, Axis, BUILT_IN, Choice, Measure, Reference, Study};
 use super::words::{assignment, label, number_of, size};
 use crate::case::read_text;
-use crate::input::Formula;
 use crate::input::duration::seconds;
 use crate::input::problems::{Problems, suggestion};
 use crate::input::tree::Node;
-use crate::output::history::Table;
 
 /// Pairs of an axis and a choice of it.
 pub(super) type Place = Vec<(usize, usize)>;
@@ -35,13 +33,7 @@ impl Checker<'_> {
             self.add(&["base"], error.to_string());
             String::new()
         });
-        let defaults = ["output.fields=none", "expect=[]"];
-        let kept = if file.expect == Expect::Keep { 1 } else { 2 };
-        let origin = self.tree.origin;
-        let mut set: Vec<Assignment> = defaults[..kept]
-            .iter()
-            .map(|text| Assignment { text: (*text).to_owned(), origin })
-            .collect();
+        let mut set = self.defaults(file.expect);
         set.extend(self.assignments(&["set"], &file.set));
         let axes: Vec<Axis> =
             file.axes.iter().enumerate().map(|(index, axis)| self.axis(index, axis)).collect();
@@ -50,16 +42,7 @@ impl Checker<'_> {
         for (index, entry) in file.skip.iter().enumerate() {
             skip.push(self.place(&axes, &["skip", &index.to_string()], entry));
         }
-        let references: Vec<Reference> = file
-            .references
-            .iter()
-            .enumerate()
-            .map(|(index, section)| Reference {
-                name: section.name.clone(),
-                ranks: section.ranks.map(size),
-                set: self.assignments(&["references", &index.to_string(), "set"], &section.set),
-            })
-            .collect();
+        let references = self.references(&file.references);
         let limit = seconds(&file.limit).unwrap_or_else(|reason| {
             self.add(&["limit"], format!("limit {reason}"));
             1.0
@@ -68,18 +51,7 @@ impl Checker<'_> {
         if launcher.is_empty() {
             self.add(&["launcher"], "launcher is empty".to_owned());
         }
-        let mut measures: Vec<Measure> = Vec::new();
-        for (index, section) in file.measures.iter().enumerate() {
-            let index = index.to_string();
-            let taken = measures.iter().any(|m| m.name == section.name)
-                || BUILT_IN.iter().any(|(name, ..)| *name == section.name)
-                || axes.iter().any(|axis| axis.name == section.name);
-            if taken {
-                let what = format!("measures.{index}.name: `{}` is taken", section.name);
-                self.add(&["measures", &index, "name"], what);
-            }
-            measures.extend(self.measure(&index, section, &axes, &references));
-        }
+        let measures = self.measures(&file.measures, &axes, &references);
         let stem = self.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let directory = match &file.output.directory {
             Some(directory) => PathBuf::from(directory),
@@ -112,8 +84,31 @@ impl Checker<'_> {
     }
 
     /// A path that is relative to the study file.
-    fn beside(&self, name: &str) -> PathBuf {
+    pub fn beside(&self, name: &str) -> PathBuf {
         self.path.parent().unwrap_or(Path::new("")).join(name)
+    }
+
+    /// What all runs change of the base case without being told.
+    fn defaults(&self, expect: Expect) -> Vec<Assignment> {
+        let defaults = ["output.fields=none", "expect=[]"];
+        let kept = if expect == Expect::Keep { 1 } else { 2 };
+        let origin = self.tree.origin;
+        defaults[..kept]
+            .iter()
+            .map(|text| Assignment { text: (*text).to_owned(), origin })
+            .collect()
+    }
+
+    fn references(&self, sections: &[ReferenceSection]) -> Vec<Reference> {
+        sections
+            .iter()
+            .enumerate()
+            .map(|(index, section)| Reference {
+                name: section.name.clone(),
+                ranks: section.ranks.map(size),
+                set: self.assignments(&["references", &index.to_string(), "set"], &section.set),
+            })
+            .collect()
     }
 
     fn assignments(&self, steps: &[&str], set: &BTreeMap<String, Json>) -> Vec<Assignment> {
@@ -218,6 +213,27 @@ impl Checker<'_> {
         place
     }
 
+    fn measures(
+        &mut self,
+        sections: &[MeasureSection],
+        axes: &[Axis],
+        references: &[Reference],
+    ) -> Vec<Measure> {
+        let mut measures: Vec<Measure> = Vec::new();
+        for (index, section) in sections.iter().enumerate() {
+            let index = index.to_string();
+            let taken = measures.iter().any(|m| m.name == section.name)
+                || BUILT_IN.iter().any(|(name, ..)| *name == section.name)
+                || axes.iter().any(|axis| axis.name == section.name);
+            if taken {
+                let what = format!("measures.{index}.name: `{}` is taken", section.name);
+                self.add(&["measures", &index, "name"], what);
+            }
+            measures.extend(self.measure(&index, section, axes, references));
+        }
+        measures
+    }
+
     fn measure(
         &mut self,
         index: &str,
@@ -256,96 +272,5 @@ impl Checker<'_> {
             relative: section.norm == Norm::Relative,
             origin: self.tree.locate_key(["measures", index, word]),
         })
-    }
-
-    fn against(
-        &mut self,
-        index: &str,
-        section: &AgainstSection,
-        axes: &[Axis],
-        references: &[Reference],
-    ) -> Option<Against> {
-        let here = ["measures", index, "against"];
-        let at = |name: &'static str| ["measures", index, "against", name];
-        match section {
-            AgainstSection {
-                equals: Some(number),
-                formula: None,
-                run: None,
-                axes: None,
-                history: None,
-                ..
-            } => Some(Against::Number(*number)),
-            AgainstSection {
-                equals: None,
-                formula: Some(text),
-                run: None,
-                axes: None,
-                history: None,
-                x,
-                y,
-            } => {
-                let mut named = |name: &'static str, axis: &Option<String>| match axis {
-                    Some(axis) => self.axis_named(axes, &at(name), axis).map(Some),
-                    None => Some(None),
-                };
-                let named = [named("x", x)?, named("y", y)?];
-                match Formula::parse(text) {
-                    Ok(formula) => Some(Against::Formula(formula, named)),
-                    Err(reason) => {
-                        self.add(
-                            &at("formula"),
-                            format!("measures.{index}.against.formula: {reason}"),
-                        );
-                        None
-                    }
-                }
-            }
-            AgainstSection {
-                equals: None,
-                formula: None,
-                run: Some(name),
-                axes: None,
-                history: None,
-                ..
-            } => {
-                let found = references.iter().position(|reference| reference.name == *name);
-                if found.is_none() {
-                    let known: Vec<String> = references.iter().map(|r| r.name.clone()).collect();
-                    let hint = suggestion(name, &known);
-                    let what =
-                        format!("measures.{index}.against.run: `{name}` is no reference{hint}");
-                    self.add(&at("run"), what);
-                }
-                found.map(Against::Reference)
-            }
-            AgainstSection {
-                equals: None,
-                formula: None,
-                run: None,
-                axes: Some(labels),
-                history: None,
-                ..
-            } => Some(Against::Axes(self.place(axes, &at("axes"), labels))),
-            AgainstSection {
-                equals: None,
-                formula: None,
-                run: None,
-                axes: None,
-                history: Some(name),
-                ..
-            } => {
-                let table = Table::read(&self.beside(name));
-                table
-                    .map(Against::History)
-                    .map_err(|error| self.add(&at("history"), error.to_string()))
-                    .ok()
-            }
-            _ => {
-                let what = "must have one of equals, formula, run, axes, history";
-                self.add(&here, format!("measures.{index}.against {what}"));
-                None
-            }
-        }
     }
 }

@@ -1,6 +1,6 @@
 //! The charts of a study, from its rows.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::file::Kind;
@@ -69,6 +69,17 @@ struct Rows<'a> {
     plan: &'a Plan,
     chart: &'a Chart,
     rows: Vec<&'a Row>,
+}
+
+/// What is drawn over the number of ranks.
+#[derive(Default)]
+struct Scaling {
+    times: Vec<Line>,
+    efficiencies: Vec<Line>,
+    /// The times that each series would have ideally.
+    guides: Vec<Line>,
+    /// Numbers of ranks that share cores.
+    beyond: BTreeSet<usize>,
 }
 
 impl Rows<'_> {
@@ -213,10 +224,40 @@ impl Rows<'_> {
     /// Time on the left, efficiency on the right; the first number of ranks is what others are
     /// measured by.
     fn scaling(&self) -> (Panels, Vec<String>) {
+        let Scaling { mut times, efficiencies, guides, beyond } = self.scaled();
+        times.extend(guides);
+        let of = |lines: &[Line], pick: fn(&(f64, f64)) -> f64| -> Vec<f64> {
+            lines.iter().flat_map(|line| &line.points).map(pick).collect()
+        };
+        let x = Scale::marked(of(&times, |p| p.0));
+        let y = Scale::over(of(&times, |p| p.1).into_iter(), true);
+        let most = of(&efficiencies, |p| p.1).into_iter().fold(1.0, f64::max);
+        let panel = |y: Scale, y_label: &str, lines: Vec<Line>| Panel {
+            x: x.clone(),
+            y,
+            x_label: "ranks".to_owned(),
+            y_label: y_label.to_owned(),
+            lines,
+            front: Vec::new(),
+        };
+        let panels = vec![
+            panel(y, &self.chart.y_label, times),
+            panel(Scale::Linear(0.0, 1.08 * most), "efficiency", efficiencies),
+        ];
+        let remarks = if beyond.is_empty() {
+            Vec::new()
+        } else {
+            let ranks: Vec<String> = beyond.iter().map(usize::to_string).collect();
+            let ranks = ranks.join(", ");
+            vec![format!("Not shown: {ranks} ranks, which share the cores of the machine.")]
+        };
+        (Panels { title: self.chart.title.clone(), panels, below: false }, remarks)
+    }
+
+    /// The lines of both panels, series by series.
+    fn scaled(&self) -> Scaling {
         let strong = self.chart.kind == Kind::StrongScaling;
-        let (mut times, mut efficiencies) = (Vec::new(), Vec::new());
-        let mut beyond: Vec<usize> = Vec::new();
-        let mut guides: Vec<Line> = Vec::new();
+        let mut scaling = Scaling::default();
         for (style, (key, rows)) in self.series().into_iter().enumerate() {
             let mut points: Vec<(f64, f64)> = Vec::new();
             let mut failed = Vec::new();
@@ -224,7 +265,7 @@ impl Rows<'_> {
                 let ranks = self.plan.runs[row.run].ranks;
                 // Ranks that share cores say nothing of speed.
                 if ranks > row.cores {
-                    beyond.push(ranks);
+                    scaling.beyond.insert(ranks);
                 } else if let Some(time) =
                     self.value(row, &self.chart.y).filter(|_| row.has_results())
                 {
@@ -242,46 +283,12 @@ impl Rows<'_> {
             if let (Some(first), Some(last)) = (points.first(), points.last()) {
                 let ideal = |ranks: f64| if strong { first.1 * first.0 / ranks } else { first.1 };
                 let points = vec![*first, (last.0, ideal(last.0))];
-                guides.push(Line::new("ideal", points, None, Look::Joined));
+                scaling.guides.push(Line::new("ideal", points, None, Look::Joined));
             }
-            times.push(line(points, failed));
-            efficiencies.push(line(efficiency, Vec::new()));
+            scaling.times.push(line(points, failed));
+            scaling.efficiencies.push(line(efficiency, Vec::new()));
         }
-        times.extend(guides);
-        let of = |lines: &[Line], pick: fn(&(f64, f64)) -> f64| -> Vec<f64> {
-            lines.iter().flat_map(|line| &line.points).map(pick).collect()
-        };
-        let x = Scale::marked(of(&times, |p| p.0));
-        let y = Scale::over(of(&times, |p| p.1).into_iter(), true);
-        let most = of(&efficiencies, |p| p.1).into_iter().fold(1.0, f64::max);
-        let panels = vec![
-            Panel {
-                x: x.clone(),
-                y,
-                x_label: "ranks".to_owned(),
-                y_label: self.chart.y_label.clone(),
-                lines: times,
-                front: Vec::new(),
-            },
-            Panel {
-                x,
-                y: Scale::Linear(0.0, 1.08 * most),
-                x_label: "ranks".to_owned(),
-                y_label: "efficiency".to_owned(),
-                lines: efficiencies,
-                front: Vec::new(),
-            },
-        ];
-        beyond.sort_unstable();
-        beyond.dedup();
-        let remarks = if beyond.is_empty() {
-            Vec::new()
-        } else {
-            let ranks: Vec<String> = beyond.iter().map(usize::to_string).collect();
-            let ranks = ranks.join(", ");
-            vec![format!("Not shown: {ranks} ranks, which share the cores of the machine.")]
-        };
-        (Panels { title: self.chart.title.clone(), panels, below: false }, remarks)
+        scaling
     }
 
     fn map(&self) -> Map {

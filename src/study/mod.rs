@@ -3,6 +3,7 @@
 //! A study process is serial: it starts neither MPI nor PETSc, and launches every run as a process
 //! of its own.
 
+mod against;
 mod charts;
 mod check;
 mod draw;

@@ -109,64 +109,87 @@ impl Plan {
     }
 
     fn check(&self, study: &Study) -> Result<()> {
-        // Mistakes by place and text, each with the first run that has it and how many more do.
-        let mut found: BTreeMap<(Origin, String), (String, String, usize)> = BTreeMap::new();
-        let mut add = |origin, text: String, run: &Run| {
-            // Hints in brackets may differ from run to run.
-            let kind = text.split(" (known: ").next().unwrap_or_default().to_owned();
-            let entry = found.entry((origin, kind)).or_insert_with(|| (text, run.name.clone(), 0));
-            entry.2 += 1;
-        };
-        let mut elsewhere = BTreeSet::new();
+        let mut mistakes = Mistakes::default();
         for run in &self.runs {
-            let case = match Case::read(&study.base_text, &study.base, &run.overrides) {
-                Ok(case) => case,
-                Err(error) => {
-                    for line in error.to_string().lines() {
-                        match study.origin_of(run, line) {
-                            Some((origin, text)) => add(origin, text, run),
-                            None => drop(elsewhere.insert((line.to_owned(), run.name.clone()))),
-                        }
-                    }
-                    continue;
-                }
-            };
-            let columns = case.columns();
-            for measure in &study.measures {
-                if !columns.contains(&measure.column) {
-                    let hint = suggestion(&measure.column, &columns);
-                    add(
-                        measure.origin,
-                        format!("`{}` is no column of history.csv{hint}", measure.column),
-                        run,
-                    );
-                }
-                if let At::Times(times) = &measure.at
-                    && let Some(time) = times.iter().find(|time| !case.time.contains(time))
-                {
-                    add(
-                        measure.origin,
-                        format!("{}: {time} is none of time.instants", measure.name),
-                        run,
-                    );
-                }
-                if let Some(Against::Axes(labels)) = &measure.against
-                    && !run.choices.is_empty()
-                    && self.moved(run, labels).is_none()
-                {
-                    let text = format!("{}: the run it is compared with is skipped", measure.name);
-                    add(measure.origin, text, run);
-                }
+            match Case::read(&study.base_text, &study.base, &run.overrides) {
+                Ok(case) => self.check_measures(study, run, &case, &mut mistakes),
+                Err(error) => mistakes.add_of_case(study, run, &error),
             }
         }
+        let lines = mistakes.lines(study);
+        if lines.is_empty() { Ok(()) } else { Err(refuse(&lines)) }
+    }
+
+    /// Whether everything that is measured is there in a run.
+    fn check_measures(&self, study: &Study, run: &Run, case: &Case, mistakes: &mut Mistakes) {
+        let columns = case.columns();
+        for measure in &study.measures {
+            let mut add = |text: String| mistakes.add(measure.origin, text, run);
+            if !columns.contains(&measure.column) {
+                let hint = suggestion(&measure.column, &columns);
+                add(format!("`{}` is no column of history.csv{hint}", measure.column));
+            }
+            if let At::Times(times) = &measure.at
+                && let Some(time) = times.iter().find(|time| !case.time.contains(time))
+            {
+                add(format!("{}: {time} is none of time.instants", measure.name));
+            }
+            if let Some(Against::Axes(labels)) = &measure.against
+                && !run.choices.is_empty()
+                && self.moved(run, labels).is_none()
+            {
+                add(format!("{}: the run it is compared with is skipped", measure.name));
+            }
+        }
+    }
+}
+
+/// Mistakes of all runs, each to be told once.
+#[derive(Default)]
+struct Mistakes {
+    /// Of the study, by place and kind.
+    found: BTreeMap<(Origin, String), Mistake>,
+    /// Of the base case: the line, and the name of a run that has it.
+    elsewhere: BTreeSet<(String, String)>,
+}
+
+/// One that several runs may have.
+struct Mistake {
+    text: String,
+    /// Name of the first run that has it.
+    run: String,
+    /// How many have it.
+    count: usize,
+}
+
+impl Mistakes {
+    fn add(&mut self, origin: Origin, text: String, run: &Run) {
+        // Hints in brackets may differ from run to run.
+        let kind = text.split(" (known: ").next().unwrap_or_default().to_owned();
+        let first = || Mistake { text, run: run.name.clone(), count: 0 };
+        self.found.entry((origin, kind)).or_insert_with(first).count += 1;
+    }
+
+    /// Adds what is wrong with the case of a run, line by line.
+    fn add_of_case(&mut self, study: &Study, run: &Run, error: &Error) {
+        for line in error.to_string().lines() {
+            match study.origin_of(run, line) {
+                Some((origin, text)) => self.add(origin, text, run),
+                None => drop(self.elsewhere.insert((line.to_owned(), run.name.clone()))),
+            }
+        }
+    }
+
+    /// A line for each, as many as are listed.
+    fn lines(self, study: &Study) -> Vec<String> {
         let mut lines: Vec<String> = Vec::new();
-        for ((origin, _), (text, run, count)) in found {
+        for ((origin, _), Mistake { text, run, count }) in self.found {
             let more = if count > 1 { format!(", and {} more", count - 1) } else { String::new() };
             let run = if run.is_empty() { "the base case" } else { &run };
             lines.push(placed(&study.path, origin, &format!("{text} (run {run}{more})")));
         }
         let mut told = BTreeSet::new();
-        for (line, run) in elsewhere {
+        for (line, run) in self.elsewhere {
             // A mistake of the base case is told once.
             if told.insert(line.clone()) {
                 lines.push(format!("{line} (run {run})"));
@@ -177,7 +200,7 @@ impl Plan {
             lines.truncate(LISTED);
             lines.push(format!("and {more} more"));
         }
-        if lines.is_empty() { Ok(()) } else { Err(refuse(&lines)) }
+        lines
     }
 }
 

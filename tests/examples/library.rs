@@ -8,7 +8,7 @@ use column_hpc::case::{Case, Formulation};
 use column_hpc::element::Shape;
 use column_hpc::error::{Error, Result};
 use column_hpc::law::{Contact, LinearSoftening};
-use column_hpc::results::Directory;
+use column_hpc::results::{Directory, History};
 use column_hpc::run::{self, Run};
 use column_hpc::runtime::Runtime;
 
@@ -30,6 +30,21 @@ fn column() -> CaseFile {
     sections.boundary[1].displacement = Components::xz(0.0, [[0.0, 0.0], [1.0, 2.0e-3]]);
     sections.materials.insert("rock".into(), MaterialSection::elastic(5.0e9, 0.0));
     sections
+}
+
+/// Equal to the last bit on one rank; on more, elimination adds in the order of messages.
+fn assert_same(runtime: &Runtime, a: &History, b: &History) {
+    if runtime.comm.size() == 1 {
+        return assert_eq!(a, b);
+    }
+    assert_eq!((a.columns(), a.times()), (b.columns(), b.times()));
+    for name in a.columns() {
+        let [a, b] = [a, b].map(|history| history.column(name).expect("no empty column"));
+        let largest = a.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+        for (a, b) in a.iter().zip(&b) {
+            assert!((a - b).abs() <= 1e-9 * largest + 1e-7, "{name}: {a} and {b}");
+        }
+    }
 }
 
 pub fn main() -> ExitCode {
@@ -54,7 +69,7 @@ fn memory_and_disk_hold_the_same(runtime: &Runtime, place: &Path) -> Result<()> 
         let case = Case::build(sections)?;
         let memory = Run::of(&case).start(runtime)?;
         let disk = Run::of(&case).output(place.join(name)).report().start(runtime)?;
-        assert_eq!(memory.history, disk.history);
+        assert_same(runtime, &memory.history, &disk.history);
         assert_eq!(memory.report["reduction"]["applied"], name == "column");
         assert!(memory.meets_expectations());
         assert_eq!(memory.history.times(), [0.1, 0.3]);
@@ -135,7 +150,7 @@ fn runs_do_not_touch_each_other(runtime: &Runtime) -> Result<()> {
     assert!(matches!(failed, Err(Error::Numerics(_))), "{failed:?}");
 
     let after = Run::of(&plain).start(runtime)?;
-    assert_eq!(before.history, after.history);
+    assert_same(runtime, &before.history, &after.history);
     assert_eq!(before.report["linear_solver"], after.report["linear_solver"]);
     assert_eq!(runtime.petsc.has_option("of_nobody"), Ok(false));
     Ok(())

@@ -60,7 +60,8 @@ fn run(part: &str, ranks: usize, place: &Path, args: &[&str]) -> Output {
     let own = own.to_str().expect("a path of letters");
     let temporary = format!("TMPDIR={}", place.display());
     let part = format!("{PART}={part}");
-    let words = [&[temporary.as_str(), &part, own], args].concat();
+    let limit = common::TIME_LIMIT.as_secs().to_string();
+    let words = [&[temporary.as_str(), &part, "timeout", &limit, own], args].concat();
     if ranks > 1 {
         return common::mpirun(ranks, "env", &words);
     }

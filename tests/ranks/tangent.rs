@@ -10,7 +10,7 @@
 use column_hpc::case::Case;
 use column_hpc::hash::mix;
 use column_hpc::law::Branch;
-use column_hpc::mesh::{Column, LocalMesh};
+use column_hpc::mesh::MeshFamily;
 use column_hpc::partition::{self, Method};
 use column_hpc::petsc::{LinearOperator, NonlinearSystem, Vector};
 use column_hpc::runtime::Runtime;
@@ -73,15 +73,13 @@ pub fn tangent_by_differences(runtime: &Runtime) {
 fn check(runtime: &Runtime, case: &Case, method: Method) -> BTreeSet<Branch> {
     let comm = &runtime.comm;
     let timers = Timers::new();
-    let column = Column::new(case).expect("a column");
-    let choice = LinearChoice::new(case, &column);
-    let columns = if choice.preset == MULTIGRID { column.hierarchy(4) } else { vec![column] };
-    assert!(choice.preset != MULTIGRID || columns.len() > 1, "no coarser lattice");
-    let (cells, before) = partition::distribute(comm, &columns[0], method).expect("cells");
-    let mut meshes = vec![LocalMesh::new(&columns[0], cells, before)];
-    for column in &columns[1..] {
-        meshes.push(meshes[meshes.len() - 1].refined(column));
+    let mut family = MeshFamily::new(case).expect("a mesh");
+    let choice = LinearChoice::new(case, &family.facts());
+    if choice.preset == MULTIGRID {
+        assert!(family.coarsen(4), "levels");
     }
+    let (cells, before) = partition::distribute(comm, &family, method).expect("a partition");
+    let mut meshes = family.share(cells, before);
     let finest = meshes.pop().expect("a mesh");
     let problem = BoundaryValueProblem::new(comm, case, finest).expect("a problem");
     let mut model =

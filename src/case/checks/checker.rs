@@ -6,7 +6,7 @@ use crate::input::problems::Problems;
 use crate::input::tree::Node;
 
 /// A case that is being checked: its tree, and the mistakes so far.
-pub(in crate::case) struct Checker<'a> {
+pub(crate) struct Checker<'a> {
     pub tree: &'a Node,
     pub problems: Problems<'a>,
     /// Sections that could not be read and hold placeholders.

@@ -26,6 +26,12 @@ pub enum ControlKind {
     Dissipation(f64),
 }
 
+/// The instants of a case, and where it starts.
+pub(super) struct Instants {
+    pub start: f64,
+    pub times: Vec<f64>,
+}
+
 impl Control {
     /// What the quantity is to be at `time`.
     pub fn target(&self, time: f64) -> f64 {
@@ -54,18 +60,8 @@ impl Control {
 }
 
 impl Checker<'_> {
-    /// The control, and the instants: with dissipation its values.
-    pub(in crate::case) fn control(
-        &mut self,
-        file: &CaseFile,
-        interfaces: &[InterfaceSpec],
-        (time, start): (Vec<f64>, f64),
-    ) -> (Option<Control>, Vec<f64>, f64) {
-        let Some(section) = &file.control else { return (None, time, start) };
-        let (of, path) = match section {
-            ControlSection::Opening(opening) => (&opening.of, "control.opening"),
-            ControlSection::Dissipation(dissipation) => (&dissipation.of, "control.dissipation"),
-        };
+    /// Refuses what cannot stand beside control.
+    fn beside_control(&mut self, file: &CaseFile, interfaces: &[InterfaceSpec]) {
         if file.solver.form == Form::SaddlePoint {
             self.add("control", "needs solver.form: condensed");
         }
@@ -78,11 +74,26 @@ impl Checker<'_> {
             let reason = "cannot stand beside control: the load factor does not scale it";
             self.add(&format!("interfaces.{fluid}.fluid"), reason);
         }
+    }
+
+    /// The control, and the instants: with dissipation its values.
+    pub(super) fn control(
+        &mut self,
+        file: &CaseFile,
+        interfaces: &[InterfaceSpec],
+        instants: Instants,
+    ) -> (Option<Control>, Instants) {
+        let Some(section) = &file.control else { return (None, instants) };
+        let (of, path) = match section {
+            ControlSection::Opening(opening) => (&opening.of, "control.opening"),
+            ControlSection::Dissipation(dissipation) => (&dissipation.of, "control.dissipation"),
+        };
+        self.beside_control(file, interfaces);
         let Some(interface) = interfaces.iter().position(|i| i.name == *of) else {
             let names: Vec<String> = interfaces.iter().map(|i| i.name.clone()).collect();
             let hint = suggestion(of, &names);
             self.add(&format!("{path}.of"), format!("must name an interface, got `{of}`{hint}"));
-            return (None, time, start);
+            return (None, instants);
         };
         if interfaces[interface].law.law().strength().is_none() {
             let reason = format!("names `{of}`, which has no strength to be followed beyond");
@@ -100,18 +111,19 @@ impl Checker<'_> {
             ControlSection::Opening(opening) => {
                 let equals = self.value("control.opening.equals", &opening.equals);
                 let kind = ControlKind::Opening(equals);
-                (Some(Control { interface, kind }), time, start)
+                (Some(Control { interface, kind }), instants)
             }
             ControlSection::Dissipation(dissipation) => {
-                let load_time = time.last().copied().unwrap_or(start);
+                let load_time = instants.times.last().copied().unwrap_or(instants.start);
                 let kind = ControlKind::Dissipation(load_time);
                 let steps = (1.0 / dissipation.step - 1e-9).ceil().max(1.0);
                 // Where the steps fill 1, their multiples are as one writes them.
                 let even = (1.0 / dissipation.step - steps).abs() < 1e-9;
                 let value = |k: f64| if even { k / steps } else { (k * dissipation.step).min(1.0) };
                 // The first value is 0: the state in which something is about to give way.
-                let time = (0..=steps as usize).map(|k| value(k as f64));
-                (Some(Control { interface, kind }), time.collect(), -dissipation.step)
+                let times = (0..=steps as usize).map(|k| value(k as f64)).collect();
+                let instants = Instants { start: -dissipation.step, times };
+                (Some(Control { interface, kind }), instants)
             }
         }
     }

@@ -80,7 +80,7 @@ impl PhysicsDecision {
 
 impl Checker<'_> {
     /// What is computed, the flow if it is, and whether a pressure acts as a load without it.
-    pub(in crate::case) fn physics(
+    pub(super) fn physics(
         &mut self,
         file: &CaseFile,
         materials: &[Material],

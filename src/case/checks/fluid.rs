@@ -8,7 +8,7 @@ use crate::error::number_text;
 
 impl Checker<'_> {
     /// Puts the fluid of the section at `path` into an interface.
-    pub(in crate::case) fn fluid(
+    pub(super) fn fluid(
         &mut self,
         path: &str,
         fluid: &FluidSection,
@@ -35,7 +35,7 @@ impl Checker<'_> {
     }
 
     /// Where fluid flows along an interface it also flows into both sides.
-    pub(in crate::case) fn films(
+    pub(super) fn films(
         &mut self,
         mesh: &MeshSpec,
         materials: &[Material],

@@ -41,7 +41,7 @@ impl Imperfection {
 
 impl Checker<'_> {
     /// The imperfections, of different interfaces that have a strength.
-    pub(in crate::case) fn imperfections(
+    pub(super) fn imperfections(
         &mut self,
         file: &CaseFile,
         interfaces: &[InterfaceSpec],

@@ -11,7 +11,7 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl Checker<'_> {
     /// A value, with its table or formula checked.
-    pub(in crate::case) fn value(&mut self, path: &str, quantity: &Quantity) -> Value {
+    pub(super) fn value(&mut self, path: &str, quantity: &Quantity) -> Value {
         match quantity {
             Quantity::Number(number) => Value::Constant(*number),
             Quantity::Table(section) => {
@@ -42,7 +42,7 @@ impl Checker<'_> {
         }
     }
 
-    pub(in crate::case) fn boundary(&mut self, file: &CaseFile) -> Vec<BoundarySpec> {
+    pub(super) fn boundary(&mut self, file: &CaseFile) -> Vec<BoundarySpec> {
         let mut entries = Vec::new();
         for (index, section) in file.boundary.iter().enumerate() {
             let path = format!("boundary.{index}");
@@ -83,14 +83,14 @@ impl Checker<'_> {
         })
     }
 
-    pub(in crate::case) fn body_force(&mut self, file: &CaseFile) -> [Value; 3] {
+    pub(super) fn body_force(&mut self, file: &CaseFile) -> [Value; 3] {
         self.components("body_force", &file.body_force)
             .map(|part| part.unwrap_or(Value::Constant(0.0)))
     }
 
     /// Prescribed displacements that cannot agree: values that are the same everywhere on
     /// surfaces that share nodes. Values that vary in space are compared node by node later.
-    pub(in crate::case) fn agreement(&mut self, boundary: &[BoundarySpec], instants: &[f64]) {
+    pub(super) fn agreement(&mut self, boundary: &[BoundarySpec], instants: &[f64]) {
         let meet = |a: Surface, b: Surface| match (a.axis(), b.axis()) {
             (Some((one, _)), Some((other, _))) => a == b || one != other,
             _ => false,

@@ -17,14 +17,17 @@ pub use flow::{FlowSpec, PhysicsDecision};
 pub use initial::Imperfection;
 pub use limits::Every;
 pub use planes::CLOSEST_PLANES;
+pub use results::InterfaceQuantity;
 
 use std::path::Path;
 
 pub(super) use checker::Checker;
+use control::Instants;
 
-use crate::case::sections::file::{CaseFile, MaterialSection};
+use crate::case::sections::file::{CaseFile, MaterialSection, Physics};
 use crate::case::{
-    Case, Cells, Form, InterfaceSpec, LawSpec, Linear, Material, MeshSpec, SolverSpec, Stability,
+    BoundarySpec, Case, Cells, Form, InterfaceSpec, LawSpec, Linear, Material, MeshSpec,
+    SolverSpec, Stability,
 };
 use crate::error::{Result, number_text};
 use crate::input::problems::shortened;
@@ -41,7 +44,18 @@ const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 const LONGEST_NAME: usize = 200;
 
 /// What is said of everything that the contract plans and the program cannot do yet.
-pub(in crate::case) const LATER: &str = "is not yet available";
+pub(super) const LATER: &str = "is not yet available";
+
+/// Writes out the defaults that follow from the name of the file, and what was decided.
+fn write_out(file: &mut CaseFile, path: &Path, physics: PhysicsDecision) {
+    let stem = path.file_stem().map_or("case".into(), |stem| stem.to_string_lossy());
+    file.output.directory.get_or_insert_with(|| format!("results/{stem}"));
+    file.title.get_or_insert_with(|| stem.into_owned());
+    file.physics = match physics {
+        PhysicsDecision::Mechanics => Physics::Mechanics,
+        PhysicsDecision::HydroMechanics => Physics::HydroMechanics,
+    };
+}
 
 impl Checker<'_> {
     /// Checks everything and builds the case.
@@ -49,16 +63,15 @@ impl Checker<'_> {
     /// # Errors
     /// All mistakes, one line each.
     pub fn case(mut self, mut file: CaseFile, path: &Path) -> Result<Case> {
-        let stem = path.file_stem().map_or("case".into(), |stem| stem.to_string_lossy());
         let mesh = self.mesh(&file);
         let materials = self.materials(&file, &mesh);
         let interfaces = self.interfaces(&file, &mesh);
         let boundary = self.boundary(&file);
         let body_force = self.body_force(&file);
         let imperfections = self.imperfections(&file, &interfaces);
-        let (time, start) = self.time(&file);
+        let instants = self.time(&file);
         self.solver(&file.solver);
-        let (control, time, start) = self.control(&file, &interfaces, (time, start));
+        let (control, Instants { times: time, start }) = self.control(&file, &interfaces, instants);
         self.films(&mesh, &materials, &interfaces);
         let (physics, flow, pressure_is_load) =
             self.physics(&file, &materials, &interfaces, &boundary);
@@ -68,18 +81,8 @@ impl Checker<'_> {
         if self.sound(&["boundary", "time"]) {
             self.agreement(&boundary, &time);
         }
-        if self.sound(&["mesh", "interfaces", "boundary"]) && self.problems.is_empty() {
-            let holds = supports::holds(&interfaces);
-            for reason in supports::free_motions(&mesh, &interfaces, &boundary, self.dim, &holds) {
-                self.add("boundary", format!("leaves a body free: {reason}"));
-            }
-        }
-        file.output.directory.get_or_insert_with(|| format!("results/{stem}"));
-        file.title.get_or_insert_with(|| stem.into_owned());
-        file.physics = match physics {
-            PhysicsDecision::Mechanics => crate::case::sections::file::Physics::Mechanics,
-            PhysicsDecision::HydroMechanics => crate::case::sections::file::Physics::HydroMechanics,
-        };
+        self.held(&mesh, &interfaces, &boundary);
+        write_out(&mut file, path, physics);
         let gravity = self.by_axis(file.gravity.as_deref().unwrap_or_default());
         let (checkpoint, wall) = self.limits(&file);
         let output = self.output(&file, &time, checkpoint);
@@ -114,6 +117,16 @@ impl Checker<'_> {
         if self.problems.is_empty() { Ok(case) } else { Err(self.problems.into_error()) }
     }
 
+    /// Refuses bodies that nothing holds.
+    fn held(&mut self, mesh: &MeshSpec, interfaces: &[InterfaceSpec], boundary: &[BoundarySpec]) {
+        if self.sound(&["mesh", "interfaces", "boundary"]) && self.problems.is_empty() {
+            let holds = supports::holds(interfaces);
+            for reason in supports::free_motions(mesh, interfaces, boundary, self.dim, &holds) {
+                self.add("boundary", format!("leaves a body free: {reason}"));
+            }
+        }
+    }
+
     fn mesh(&mut self, file: &CaseFile) -> MeshSpec {
         let section = &file.mesh;
         if section.file.is_some() {
@@ -121,7 +134,7 @@ impl Checker<'_> {
         }
         let nothing = MeshSpec {
             size: vec![1.0; 2],
-            cells: Cells::Column([1; 3]),
+            cells: Cells::Uniform([1; 3]),
             orders: vec![1],
             formulation: section.formulation,
             refine: section.refine,
@@ -147,7 +160,7 @@ impl Checker<'_> {
             }
         }
         let cells = match (&column.cells, &column.bodies) {
-            (Some(cells), None) => Cells::Column(self.grid("mesh.column.cells", cells)),
+            (Some(cells), None) => Cells::Uniform(self.grid("mesh.column.cells", cells)),
             (None, Some(bodies)) => {
                 let grids = bodies.iter().enumerate().map(|(index, body)| {
                     self.grid(&format!("mesh.column.bodies.{index}.cells"), &body.cells)
@@ -276,7 +289,7 @@ impl Checker<'_> {
         }
     }
 
-    fn time(&mut self, file: &CaseFile) -> (Vec<f64>, f64) {
+    fn time(&mut self, file: &CaseFile) -> Instants {
         let time = &file.time;
         let mut before = (time.start, "start");
         for (index, instant) in time.instants.iter().enumerate() {
@@ -287,7 +300,7 @@ impl Checker<'_> {
             }
             before = (*instant, "instant before it");
         }
-        (time.instants.clone(), time.start)
+        Instants { start: time.start, times: time.instants.clone() }
     }
 
     fn solver(&mut self, solver: &SolverSpec) {

@@ -9,7 +9,7 @@ pub const CLOSEST_PLANES: f64 = 1e-9;
 
 impl Checker<'_> {
     /// The layers must cover the column, each height once.
-    pub(in crate::case) fn layers(&mut self, materials: &[Material], height: f64) {
+    pub(super) fn layers(&mut self, materials: &[Material], height: f64) {
         if let [only] = materials
             && only.z.is_none()
         {
@@ -52,13 +52,7 @@ impl Checker<'_> {
     }
 
     /// Refuses an interface too close to a plane below or to the top for cells between them.
-    pub(in crate::case) fn distance(
-        &mut self,
-        path: &str,
-        z: f64,
-        below: Option<f64>,
-        height: f64,
-    ) {
+    pub(super) fn distance(&mut self, path: &str, z: f64, below: Option<f64>, height: f64) {
         let closest = CLOSEST_PLANES * height;
         let lower = below.map_or(("the bottom".to_owned(), 0.0), |below| {
             (format!("the interface before it at {}", number_text(below)), below)
@@ -77,7 +71,7 @@ impl Checker<'_> {
     }
 
     /// Refuses bodies whose own cells would be thinner than planes are told apart.
-    pub(in crate::case) fn thickness(&mut self, mesh: &MeshSpec, interfaces: &[InterfaceSpec]) {
+    pub(super) fn thickness(&mut self, mesh: &MeshSpec, interfaces: &[InterfaceSpec]) {
         let Cells::Bodies(bodies) = &mesh.cells else { return };
         let closest = CLOSEST_PLANES * mesh.height();
         let ends = interfaces.iter().map(|interface| interface.z).chain([mesh.height()]);

@@ -11,23 +11,44 @@ use crate::input::problems::suggestion;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
+/// What of an interface has a smallest, a largest and a mean value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum InterfaceQuantity {
+    /// A component of the traction; the normal one comes last of the components.
+    Traction(usize),
+    /// A component of the jump.
+    Jump(usize),
+    /// The damage.
+    Damage,
+    /// The pressure of a film.
+    Pressure,
+}
+
 impl Case {
     /// The axes of the case: x, y, z, or x, z in 2D.
     fn axes(&self) -> Vec<&'static str> {
         if self.dim == 3 { AXES.to_vec() } else { vec!["x", "z"] }
     }
 
-    /// The interface quantities that have a smallest, a largest and a mean value.
-    fn interface_quantities(&self, interface: &InterfaceSpec) -> Vec<String> {
-        let tangents = &self.axes()[..self.dim - 1];
-        let along = |what: &'static str| tangents.iter().map(move |axis| format!("{what}_{axis}"));
-        let mut names = vec!["normal_traction".to_owned()];
-        names.extend(along("shear_traction"));
-        names.push("normal_jump".to_owned());
-        names.extend(along("sliding"));
-        names.push("damage".to_owned());
-        names.extend(interface.film.is_some().then(|| "pressure".to_owned()));
-        names
+    /// What of an interface has a smallest, a largest and a mean value, in the order of the
+    /// columns: of traction and jump the normal component first, then those along x and y.
+    pub fn interface_quantities(&self, interface: &InterfaceSpec) -> Vec<InterfaceQuantity> {
+        use InterfaceQuantity::{Damage, Jump, Pressure, Traction};
+        let components = || std::iter::once(self.dim - 1).chain(0..self.dim - 1);
+        let of_joint = components().map(Traction).chain(components().map(Jump)).chain([Damage]);
+        of_joint.chain(interface.film.is_some().then_some(Pressure)).collect()
+    }
+
+    fn name_of(&self, quantity: InterfaceQuantity) -> String {
+        let normal = self.dim - 1;
+        match quantity {
+            InterfaceQuantity::Traction(c) if c == normal => "normal_traction".to_owned(),
+            InterfaceQuantity::Traction(c) => format!("shear_traction_{}", AXES[c]),
+            InterfaceQuantity::Jump(c) if c == normal => "normal_jump".to_owned(),
+            InterfaceQuantity::Jump(c) => format!("sliding_{}", AXES[c]),
+            InterfaceQuantity::Damage => "damage".to_owned(),
+            InterfaceQuantity::Pressure => "pressure".to_owned(),
+        }
     }
 
     /// The surfaces that prescribe a displacement, in the order of their first entry.
@@ -54,8 +75,9 @@ impl Case {
                 .to_vec();
         for interface in &self.interfaces {
             for quantity in self.interface_quantities(interface) {
+                let name = self.name_of(quantity);
                 for statistic in ["min", "max", "mean"] {
-                    columns.push(format!("{}.{quantity}.{statistic}", interface.name));
+                    columns.push(format!("{}.{name}.{statistic}", interface.name));
                 }
             }
             if self.has_flux(interface) {
@@ -106,7 +128,7 @@ impl Case {
 }
 
 impl Checker<'_> {
-    pub(in crate::case) fn output(
+    pub(super) fn output(
         &mut self,
         file: &CaseFile,
         time: &[f64],
@@ -142,7 +164,7 @@ impl Checker<'_> {
         }
     }
 
-    pub(in crate::case) fn probes(
+    pub(super) fn probes(
         &mut self,
         file: &CaseFile,
         mesh: &MeshSpec,
@@ -180,7 +202,7 @@ impl Checker<'_> {
         probes
     }
 
-    pub(in crate::case) fn expectations(&mut self, case: &Case) -> Vec<Expectation> {
+    pub(super) fn expectations(&mut self, case: &Case) -> Vec<Expectation> {
         let known = case.quantities();
         let all: BTreeSet<&String> = known.iter().collect();
         let mut expectations = Vec::new();

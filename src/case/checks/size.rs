@@ -13,7 +13,7 @@ const MOST_VALUES: usize = 4_000_000;
 
 impl Checker<'_> {
     /// Refuses a mesh that cannot be numbered, before memory is asked for.
-    pub(in crate::case) fn cells(
+    pub(super) fn cells(
         &mut self,
         file: &CaseFile,
         mesh: &MeshSpec,
@@ -61,12 +61,12 @@ impl Checker<'_> {
         } else {
             return;
         };
-        let key = if matches!(mesh.cells, Cells::Column(_)) { "cells" } else { "bodies" };
+        let key = if matches!(mesh.cells, Cells::Uniform(_)) { "cells" } else { "bodies" };
         self.add(&format!("mesh.column.{key}"), format!("make too many {what}"));
     }
 
     /// Refuses a history that is too long.
-    pub(in crate::case) fn history(&mut self, case: &Case) {
+    pub(super) fn history(&mut self, case: &Case) {
         let (instants, columns) = (case.time.len(), case.columns().len());
         if instants * columns > MOST_VALUES {
             let path =
@@ -84,7 +84,7 @@ impl MeshSpec {
     /// The cells before refinement, in words.
     fn cell_words(&self) -> String {
         let grids = match &self.cells {
-            Cells::Column(cells) => std::slice::from_ref(cells),
+            Cells::Uniform(cells) => std::slice::from_ref(cells),
             Cells::Bodies(bodies) => bodies,
         };
         // A few bodies are listed, many are not.
@@ -105,7 +105,7 @@ impl MeshSpec {
             along?.checked_mul(factor)?.checked_mul(bodies as u128)
         };
         match &self.cells {
-            Cells::Column(cells) => of(cells, interfaces + 1),
+            Cells::Uniform(cells) => of(cells, interfaces + 1),
             Cells::Bodies(bodies) => {
                 bodies.iter().try_fold(0_u128, |sum, cells| sum.checked_add(of(cells, 1)?))
             }

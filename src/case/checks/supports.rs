@@ -3,6 +3,7 @@
 use nalgebra::DMatrix;
 
 use crate::case::Case;
+use crate::case::bodies::Bodies;
 use crate::case::sections::{BoundarySpec, InterfaceSpec, Material, MeshSpec, Surface};
 
 impl Case {
@@ -10,6 +11,11 @@ impl Case {
     /// bodies, one sentence for each group of bodies. Local.
     pub fn free_motions(&self, holds: &[bool]) -> Vec<String> {
         free_motions(&self.mesh, &self.interfaces, &self.boundary, self.dim, holds)
+    }
+
+    /// Where a body lies, in words. Local.
+    pub fn place_of_body(&self, body: usize) -> String {
+        Bodies::new(&self.mesh, &self.interfaces).place(&[body])
     }
 
     /// The stiffness of the column against pulling, by area: 1 / sum of height over Young's modulus
@@ -25,7 +31,7 @@ impl Case {
 }
 
 /// Whether each interface, undamaged, joins its bodies.
-pub(in crate::case) fn holds(interfaces: &[InterfaceSpec]) -> Vec<bool> {
+pub(super) fn holds(interfaces: &[InterfaceSpec]) -> Vec<bool> {
     interfaces.iter().map(|i| i.law.law().holds_sliding(0.0)).collect()
 }
 
@@ -34,63 +40,49 @@ pub(in crate::case) fn holds(interfaces: &[InterfaceSpec]) -> Vec<bool> {
 /// Bodies joined by an interface that `holds` move together. A motion is free when no prescribed
 /// component of the group sees it, which is the null space of the constraint rows taken at the
 /// corners of the surfaces that the group touches.
-pub(in crate::case) fn free_motions(
+pub(super) fn free_motions(
     mesh: &MeshSpec,
     interfaces: &[InterfaceSpec],
     boundary: &[BoundarySpec],
     dim: usize,
     holds: &[bool],
 ) -> Vec<String> {
-    let heights = |body: usize| {
-        let low = if body == 0 { 0.0 } else { interfaces[body - 1].z };
-        let high = interfaces.get(body).map_or(mesh.height(), |interface| interface.z);
-        (low, high)
-    };
+    let all = Bodies::new(mesh, interfaces);
     let mut sentences = Vec::new();
-    let mut first = 0;
-    for last in 0..=interfaces.len() {
-        if holds.get(last).is_some_and(|holds| *holds) {
-            continue;
-        }
+    for members in all.together(holds) {
+        let [first, last] = [members[0], members[members.len() - 1]];
+        let [[below, _], [_, above]] = [first, last].map(|body| all.interfaces_of(body));
         let part = Part {
             lengths: mesh.lengths(),
-            z: [heights(first).0, heights(last).1],
-            touches_bottom: first == 0,
-            touches_top: last == interfaces.len(),
+            z: [all.z(first)[0], all.z(last)[1]],
+            touches_bottom: below.is_none(),
+            touches_top: above.is_none(),
             dim,
         };
         let motions = part.free_motions(boundary);
-        if !motions.is_empty() {
-            let place = match (part.touches_bottom, part.touches_top) {
-                (true, true) => "the whole column".to_owned(),
-                _ => format!(
-                    "between {} and {}",
-                    if first == 0 { "the bottom" } else { &interfaces[first - 1].name },
-                    interfaces.get(last).map_or("the top", |above| &above.name)
-                ),
-            };
-            let bodies = if first == last {
-                format!("body {}", first + 1)
-            } else {
-                format!("bodies {} to {}", first + 1, last + 1)
-            };
-            let beside = [first.checked_sub(1), Some(last)].into_iter().flatten();
-            let mut laws = beside.filter_map(|index| interfaces.get(index)).map(|i| i.law.name());
-            let is_pressed = motions.iter().any(|motion| motion == "translation along z");
-            let contact = if is_pressed && laws.any(|law| law == "contact") {
-                "; a contact does not count, also where weight or a traction presses it: in the place \
-                 of the load prescribe the displacement of a surface of that body, or hold it by \
-                 linear_softening with a strength that is small beside the load"
-            } else {
-                ""
-            };
-            sentences.push(format!(
-                "{bodies} ({place}) can move freely: {}; prescribe displacements that prevent it, \
-                 or choose a law that holds{contact}",
-                motions.join(", ")
-            ));
+        if motions.is_empty() {
+            continue;
         }
-        first = last + 1;
+        let bodies = if first == last {
+            format!("body {}", first + 1)
+        } else {
+            format!("bodies {} to {}", first + 1, last + 1)
+        };
+        let mut laws = [below, above].into_iter().flatten().map(|interface| interface.law.name());
+        let is_pressed = motions.iter().any(|motion| motion == "translation along z");
+        let contact = if is_pressed && laws.any(|law| law == "contact") {
+            "; a contact does not count, also where weight or a traction presses it: in the place \
+             of the load prescribe the displacement of a surface of that body, or hold it by \
+             linear_softening with a strength that is small beside the load"
+        } else {
+            ""
+        };
+        sentences.push(format!(
+            "{bodies} ({}) can move freely: {}; prescribe displacements that prevent it, or choose \
+             a law that holds{contact}",
+            all.place(&members),
+            motions.join(", ")
+        ));
     }
     sentences
 }

@@ -36,7 +36,7 @@ pub enum Formulation {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cells {
     /// One grid for the whole column; interfaces inside a layer of cells split it in two.
-    Column([usize; 3]),
+    Uniform([usize; 3]),
     /// One grid for each body between interfaces, bottom to top.
     Bodies(Vec<[usize; 3]>),
 }
@@ -73,11 +73,7 @@ impl MeshSpec {
 impl MeshSpec {
     /// An upper bound of the number of displacement unknowns, with `interfaces` interfaces and
     /// layers of cells split at `cuts` heights; `None` where it exceeds every number.
-    pub(in crate::case) fn displacement_unknowns(
-        &self,
-        interfaces: usize,
-        cuts: usize,
-    ) -> Option<u128> {
+    pub(crate) fn displacement_unknowns(&self, interfaces: usize, cuts: usize) -> Option<u128> {
         let dim = self.size.len();
         let factor = 1_u128.checked_shl(self.refine)?;
         let nodes = |(cells, order): ([usize; 3], usize), bodies: usize| -> Option<u128> {
@@ -88,7 +84,7 @@ impl MeshSpec {
             along(cells[0])?.checked_mul(depth)?.checked_mul(layers)
         };
         let total = match &self.cells {
-            Cells::Column(cells) => nodes((*cells, self.orders[0]), interfaces + 1),
+            Cells::Uniform(cells) => nodes((*cells, self.orders[0]), interfaces + 1),
             Cells::Bodies(bodies) => {
                 let mut bodies = bodies.iter().copied().zip(self.orders.iter().copied());
                 bodies.try_fold(0_u128, |sum, body| sum.checked_add(nodes(body, 1)?))

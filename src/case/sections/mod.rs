@@ -38,12 +38,12 @@
 
 mod boundary;
 mod constructors;
-pub(in crate::case) mod file;
+pub(crate) mod file;
 mod interface;
 mod material;
 mod mesh;
 mod output;
-pub(in crate::case) mod quantity;
+pub(crate) mod quantity;
 mod solver;
 
 pub use boundary::{BoundarySpec, Surface};

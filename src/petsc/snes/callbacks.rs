@@ -7,92 +7,14 @@
 
 #![allow(unsafe_code)]
 
-use super::definite::{Definite, precondition_by};
-use super::system::{NonlinearSystem, TangentChange, Trial, Verdict};
-use crate::error::{Error, Result};
+use super::context::{Context, Judged};
+use super::definite::precondition_by;
+use super::system::{NonlinearSystem, TangentChange, Verdict};
+use crate::error::Result;
 use crate::petsc::error::check;
-use crate::petsc::linear::{Ksp, LinearFailure, WORTH, Watch};
-use crate::petsc::{Matrix, ReadView, WriteView, ffi};
+use crate::petsc::{ReadView, WriteView, ffi};
 use std::ffi::c_void;
 use std::ptr;
-
-/// The state that a linear solve leads to is tried when the residual has fallen by this, and again
-/// each time it has fallen by the second.
-const TRIAL: [f64; 2] = [1e-2, 1e-3];
-
-/// A linear residual that has grown to this times the right-hand side will not come back.
-const DIVERGED: f64 = 1e5;
-
-/// What the user's options fix and the system therefore does not change.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct UserSet {
-    /// The relative tolerance of the linear solves.
-    pub(super) relative: bool,
-    /// The absolute tolerance of the linear solves.
-    pub(super) absolute: bool,
-    /// When the preconditioner is built again.
-    pub(super) preconditioner: bool,
-}
-
-/// What the callbacks of one solve share.
-pub(super) struct Context<'a, S> {
-    system: &'a mut S,
-    matrix: &'a mut Matrix,
-    definite: &'a mut Definite,
-    ksp: Ksp,
-    ranks: i32,
-    user: UserSet,
-    /// Number and residual norm of the state that was judged last.
-    judged: (usize, f64),
-    /// Most negative pivots that MUMPS has met in a factorisation of the running solve; `None`
-    /// where nothing tells of them.
-    pub(super) negative_pivots: Option<usize>,
-    /// The true residual of a method that goes by another norm.
-    watch: Watch,
-    /// How a linear solve failed that only applied its preconditioner.
-    pub(super) unsolved: Option<LinearFailure>,
-    /// Norm of the linear residual at which the next trial of the state is due.
-    next_trial: f64,
-    /// The error of the callback that failed.
-    pub(super) error: Option<Error>,
-    /// Whether the verdict was `Diverged`.
-    pub(super) stopped: bool,
-}
-
-impl<'a, S> Context<'a, S> {
-    pub(super) fn new(
-        system: &'a mut S,
-        (matrix, definite): (&'a mut Matrix, &'a mut Definite),
-        (ksp, ranks): (Ksp, i32),
-        user: UserSet,
-    ) -> Self {
-        Context {
-            system,
-            matrix,
-            definite,
-            ksp,
-            ranks,
-            user,
-            judged: (0, 0.0),
-            negative_pivots: Some(0),
-            watch: Watch::default(),
-            unsolved: None,
-            next_trial: 0.0,
-            error: None,
-            stopped: false,
-        }
-    }
-
-    /// Counts the pivots of the solve that has just ended. Conjugate gradients tell an indefinite
-    /// tangent themselves. Local.
-    fn count_pivots(&mut self) -> Result<()> {
-        if self.ksp.pc_type_name()? == "cholesky" || self.ksp.type_name()? != "cg" {
-            let counts = self.negative_pivots.zip(self.ksp.negative_pivots(self.ranks)?);
-            self.negative_pivots = counts.map(|(most, count)| most.max(count));
-        }
-        Ok(())
-    }
-}
 
 /// Runs a callback's work and turns its error into a code.
 ///
@@ -168,13 +90,7 @@ pub(super) unsafe extern "C" fn tangent<S: NonlinearSystem>(
             let code = unsafe { ffi::SNESSetLagPreconditioner(snes, lag) };
             check(code, "SNESSetLagPreconditioner")?;
         }
-        let (iteration, norm) = context.judged;
-        context.next_trial = if context.system.has_trials() { TRIAL[0] * norm } else { 0.0 };
-        let tolerance = context.system.linear_tolerance(iteration, norm);
-        context.ksp.set_tolerances(
-            (!context.user.relative).then_some(tolerance.relative),
-            (!context.user.absolute).then_some(tolerance.absolute),
-        )
+        context.ask_of_linear_solve()
     };
     // SAFETY: as in `residual`.
     unsafe { run::<S>(context, work) }
@@ -196,54 +112,9 @@ pub(super) unsafe extern "C" fn linear_verdict<S: NonlinearSystem>(
     // SAFETY: a valid place by the contract.
     unsafe { *reason = ffi::KSP_CONVERGED_ITERATING };
     let work = |context: &mut Context<'_, S>| {
-        context.system.heed()?;
-        let rhs = context.judged.1;
-        let target = |(relative, absolute): (f64, f64)| absolute.max(relative * rhs);
-        let mut tolerances = context.ksp.tolerances()?;
-        let mut norm = norm;
-        if !context.ksp.measures_true_residual()? && norm.is_finite() {
-            let (ksp, iteration) = (context.ksp, usize::try_from(iteration).unwrap_or(0));
-            match context.watch.norm(ksp, iteration, norm, target(tolerances))? {
-                Some(truly) => norm = truly,
-                None => return Ok(()),
-            }
-        }
-        let reached = |tolerances| norm <= target(tolerances);
-        let mut answer = if !norm.is_finite() {
-            ffi::KSP_DIVERGED_NANORINF
-        } else if norm > DIVERGED * rhs {
-            ffi::KSP_DIVERGED_DTOL
-        } else {
-            ffi::KSP_CONVERGED_ITERATING
-        };
-        let due = answer == ffi::KSP_CONVERGED_ITERATING && norm <= context.next_trial;
-        if due && !reached(tolerances) {
-            context.next_trial = TRIAL[1] * norm;
-            let mut correction = ptr::null_mut();
-            // SAFETY: the solver that calls; it lends its solution.
-            let code = unsafe { ffi::KSPBuildSolution(ksp, ptr::null_mut(), &mut correction) };
-            check(code, "KSPBuildSolution")?;
-            // SAFETY: a valid vector that nothing writes to during the call.
-            let correction = unsafe { ReadView::new(correction) }?;
-            match context.system.trial(&correction, norm)? {
-                Trial::Relinearise => answer = ffi::KSP_CONVERGED_ITS,
-                Trial::GoOn(None) => {}
-                Trial::GoOn(Some(tolerance)) => {
-                    context.ksp.set_tolerances(
-                        (!context.user.relative).then_some(tolerance.relative),
-                        (!context.user.absolute).then_some(tolerance.absolute),
-                    )?;
-                    tolerances = context.ksp.tolerances()?;
-                }
-            }
-        }
-        if answer == ffi::KSP_CONVERGED_ITERATING && reached(tolerances) {
-            answer = ffi::KSP_CONVERGED_RTOL;
-        }
-        let is_last = usize::try_from(iteration).unwrap_or(0) >= context.ksp.most_iterations()?;
-        if answer == ffi::KSP_CONVERGED_ITERATING && is_last && norm <= WORTH * rhs {
-            answer = ffi::KSP_CONVERGED_ITS;
-        }
+        let iteration = usize::try_from(iteration).unwrap_or(0);
+        // SAFETY: the solver that calls.
+        let answer = unsafe { context.judge_linear(ksp, iteration, norm) }?;
         // SAFETY: a valid place by the contract.
         unsafe { *reason = answer };
         Ok(())
@@ -293,7 +164,7 @@ pub(super) unsafe extern "C" fn direction<S: NonlinearSystem>(
         let (x, mut y) = (unsafe { ReadView::new(x) }?, unsafe { WriteView::new(correction) }?);
         context.count_pivots()?;
         let ksp = context.ksp;
-        context.unsolved = ksp.unsolved(context.judged.1)?;
+        context.unsolved = ksp.unsolved(context.judged.norm)?;
         if context.unsolved.is_some() {
             // The verdict ends the solve at the state where it is.
             y.fill(0.0);
@@ -346,7 +217,7 @@ pub(super) unsafe extern "C" fn verdict<S: NonlinearSystem>(
         // SAFETY: two valid vectors of the solver, which writes to neither during the call.
         let (x, f) = (unsafe { ReadView::new(x) }?, unsafe { ReadView::new(f) }?);
         let iteration = usize::try_from(iteration).unwrap_or(0);
-        context.judged = (iteration, norm);
+        context.judged = Judged { iteration, norm };
         let verdict = context.system.verdict(iteration, &x, &f, norm)?;
         context.stopped = verdict == Verdict::Diverged;
         let answer = match verdict {

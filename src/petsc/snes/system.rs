@@ -2,6 +2,7 @@
 
 use crate::error::Result;
 use crate::petsc::Matrix;
+use crate::petsc::linear::LinearTolerance;
 
 /// Whether a call of [`NonlinearSystem::tangent`] changed the matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,15 +24,6 @@ pub enum Verdict {
     Converged,
     /// There is no hope.
     Diverged,
-}
-
-/// Tolerances of a linear solve, on the 2-norm of the true residual.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LinearTolerance {
-    /// Times the norm of the right-hand side; from 0 to below 1.
-    pub relative: f64,
-    /// In the unit of the residual.
-    pub absolute: f64,
 }
 
 /// What a trial of the state that a linear solve leads to says.

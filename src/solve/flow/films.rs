@@ -4,10 +4,10 @@ use super::pressures::Pressures;
 use crate::assembly::{Discretization, FilmFacet, FilmNode, Films, Tie};
 use crate::case::Case;
 use crate::comm::Comm;
-use crate::element::Shape;
+use crate::element::{MAX_NODES, Shape};
 use crate::error::Result;
 use crate::interface::{Film, Fluid, JumpRows, Sides, jump_rows};
-use crate::mesh::{LocalMesh, NodePlace};
+use crate::mesh::LocalMesh;
 use crate::space::{Directory, Nodes};
 
 /// Interfaces along which fluid flows.
@@ -30,7 +30,11 @@ pub(in crate::solve) fn tie_rows(
     if sides.is_empty() {
         return Ok(Vec::new());
     }
-    let fixed = |node: u64| [pressures.prescribed.entry_of(node).is_some(), false, false];
+    let nodes = &pressures.corners.nodes;
+    let fixed = |name: u64| {
+        let node = nodes.number(name).expect("a corner of the rank's own cell");
+        [pressures.prescribed.entry_of(&nodes.marks[node]).is_some(), false, false]
+    };
     jump_rows(comm, pressures.corners, &sides, (1, &fixed), directory)
 }
 
@@ -38,13 +42,13 @@ pub(in crate::solve) fn tie_rows(
 /// corners around its secondary nodes. Local.
 pub(in crate::solve) fn further_nodes(
     case: &Case,
+    sides: &[Sides],
     (mesh, all): (&LocalMesh, &Discretization),
-    pressures: &Pressures<'_>,
     rows: &[JumpRows<u64>],
 ) -> Vec<u64> {
     let others = rows.iter().filter_map(|row| row.rows[0].as_ref()).flat_map(|row| &row.others);
     let mut nodes: Vec<u64> = others.map(|(node, _)| *node).collect();
-    for (_, corners) in film_nodes(case, (mesh, all), pressures) {
+    for (_, corners) in film_nodes(case, sides, (mesh, all)) {
         nodes.extend(corners.iter().map(|(corner, _)| *corner));
     }
     nodes
@@ -68,36 +72,40 @@ pub(in crate::solve) fn ties(
     (ties, tie_of)
 }
 
-/// Indices into `Discretization::secondary` of the owned nodes with a film, and the corners around
-/// each with their parts of the pressure there, by name.
+/// Indices into `Discretization::secondary` of the owned nodes with a film, rising, and the corners
+/// around each with their parts of the pressure there, by rising name.
 fn film_nodes(
     case: &Case,
+    sides: &[Sides],
     (mesh, all): (&LocalMesh, &Discretization),
-    pressures: &Pressures<'_>,
 ) -> Vec<(u32, Vec<(u64, f64)>)> {
-    let owned = all.secondary[..all.owned_secondary()].iter().enumerate();
-    let with_film = owned.filter(|(_, rows)| case.interfaces[rows.interface].film.is_some());
-    let corners = |(index, rows): (usize, &JumpRows<u32>)| {
-        let NodePlace { body, at } = mesh.column.node_place(all.nodes.names[rows.node as usize]);
-        let order = mesh.column.order(body);
-        let mut corners = vec![(at.map(|at| at / order), 1.0)];
-        for axis in 0..2 {
-            let part = (at[axis] % order) as f64 / order as f64;
-            if part == 0.0 {
-                continue;
+    let mut corners_of = vec![Vec::new(); all.owned_secondary()];
+    for (_, side) in flowing(case, sides) {
+        for facet in mesh.on_lip(side.interface, side.secondary) {
+            let (shape, nodes) = mesh.lip_nodes(side.secondary, *facet);
+            let name = |node: u32| mesh.nodes.names[node as usize];
+            for (node, xi) in nodes.iter().zip(shape.node_points()) {
+                let index = secondary(all, name(*node)) as usize;
+                let Some(of) = corners_of.get_mut(index).filter(|of| of.is_empty()) else {
+                    continue;
+                };
+                let mut parts = [0.0; MAX_NODES];
+                shape.corners().values(*xi, &mut parts);
+                let corners = nodes.iter().zip(&parts[..shape.corners().nodes()]);
+                let parts = corners.filter(|(_, part)| **part != 0.0);
+                of.extend(parts.map(|(node, part)| (name(*node), *part)));
+                of.sort_unstable_by_key(|(name, _)| *name);
             }
-            let next = |(mut at, of): ([usize; 3], f64)| {
-                at[axis] += 1;
-                (at, part * of)
-            };
-            let further: Vec<_> = corners.iter().copied().map(next).collect();
-            corners.iter_mut().for_each(|(_, of)| *of *= 1.0 - part);
-            corners.extend(further);
         }
-        let name = |at| pressures.corners.column.node(NodePlace { body, at });
-        (index as u32, corners.into_iter().map(|(at, part)| (name(at), part)).collect())
-    };
-    with_film.map(corners).collect()
+    }
+    let numbered = corners_of.into_iter().enumerate().filter(|(_, corners)| !corners.is_empty());
+    numbered.map(|(index, corners)| (index as u32, corners)).collect()
+}
+
+/// Index into `Discretization::secondary` of a node of the secondary side of this rank's cells.
+fn secondary(all: &Discretization, name: u64) -> u32 {
+    let node = all.nodes.local(name).expect("a node of the rank's own cell");
+    all.secondary_of[node as usize].expect("a node of the secondary side")
 }
 
 /// The films of this rank's secondary nodes and facets. Local.
@@ -105,46 +113,40 @@ pub(in crate::solve) fn films(
     case: &Case,
     sides: &[Sides],
     (mesh, all): (&LocalMesh, &Discretization),
-    pressures: &Pressures<'_>,
     nodes: &Nodes,
 ) -> Films {
-    let column = &mesh.column;
     let local = |name: u64| nodes.local(name).expect("the corners of a film are held");
     let mut films = Films::default();
-    let mut sizes: Vec<([f64; 2], usize)> = Vec::new();
+    let mut sizes: Vec<([f64; 2], Shape)> = Vec::new();
     for (_, side) in flowing(case, sides) {
-        let place = column.facet_cell(side.secondary, [0, 0]);
-        let porous = case.materials[column.cell_size(place).1].porous.as_ref();
+        let lip = side.secondary_facts(&mesh.facts);
+        let porous = case.materials[lip.material].porous.as_ref();
         films.fluid = films.fluid.or(porous.map(|porous| Fluid {
             viscosity: porous.viscosity,
             density: porous.fluid_density,
             compressibility: porous.fluid_compressibility,
             reference: porous.reference_pressure,
         }));
-        let order = column.order(side.secondary.body);
-        let places = mesh.cells.iter().map(|cell| column.cell_place(*cell));
-        for place in places.filter(|place| side.cell_is_secondary(column, *place)) {
-            let ([x, y, _], _) = column.cell_size(place);
-            let like = ([x, y], order);
+        for facet in mesh.on_lip(side.interface, side.secondary) {
+            let (shape, nodes) = mesh.lip_nodes(side.secondary, *facet);
+            let [x, y, _] = mesh.prototype(facet.cell as usize).size;
+            let like = ([x, y], shape);
             let prototype = sizes.iter().position(|size| *size == like).unwrap_or_else(|| {
-                films.prototypes.push(Film::new(Shape::of(case.dim - 1, order), [x, y]));
+                films.prototypes.push(Film::new(shape, [x, y]));
                 sizes.push(like);
                 sizes.len() - 1
             });
-            let at = [place.at[0], place.at[1]];
-            let secondary = |name: &u64| {
-                let node = all.nodes.local(*name).expect("a node of the rank's own cell");
-                all.secondary_of[node as usize].expect("a node of the secondary side")
-            };
-            let corners = pressures.corners.column.facet_nodes(side.secondary, at);
+            let names: Vec<u64> =
+                nodes.iter().map(|node| mesh.nodes.names[*node as usize]).collect();
+            let corners = &names[..shape.corners().nodes()];
             films.facets.push(FilmFacet {
-                prototype: prototype as u16,
-                nodes: column.facet_nodes(side.secondary, at).iter().map(secondary).collect(),
-                corners: corners.into_iter().map(local).collect(),
+                prototype: prototype as u32,
+                nodes: names.iter().map(|name| secondary(all, *name)).collect(),
+                corners: corners.iter().map(|name| local(*name)).collect(),
             });
         }
     }
-    for (secondary, corners) in film_nodes(case, (mesh, all), pressures) {
+    for (secondary, corners) in film_nodes(case, sides, (mesh, all)) {
         let corners = corners.into_iter().map(|(name, part)| (local(name), part)).collect();
         films.nodes.push(FilmNode { secondary, corners });
     }

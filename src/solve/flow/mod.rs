@@ -109,11 +109,11 @@ impl Flow {
         initial: Vec<f64>,
     ) -> Self {
         let none = || vec![0.0; space.nodes.len()];
-        let side = |(node, name): (usize, &u64)| {
-            let (interface, upper) = prescribed.lip_of(*name)?;
-            Some((node as u32, 2 * interface + usize::from(upper)))
+        let side = |(node, marks)| {
+            let (interface, lip) = prescribed.lip_of(marks)?;
+            Some((node as u32, 2 * interface + lip.index()))
         };
-        let lips = space.nodes.names.iter().enumerate().filter_map(side).collect();
+        let lips = space.nodes.marks.iter().enumerate().filter_map(side).collect();
         Self {
             before: initial.clone(),
             in_pores: Contents::default(),
@@ -201,9 +201,9 @@ impl Flow {
     /// `Input` when a formula gives no finite number.
     pub fn write_prescribed(&self, time: f64, x: &mut [f64]) -> Result<()> {
         for (node, x) in x.iter_mut().enumerate() {
-            let name = self.space.nodes.names[node];
-            if let Some(entry) = self.prescribed.entry_of(name) {
-                *x = self.prescribed.value(entry, name, time)? / self.scale;
+            let nodes = &self.space.nodes;
+            if let Some(entry) = self.prescribed.entry_of(&nodes.marks[node]) {
+                *x = self.prescribed.value(entry, nodes.points[node], time)? / self.scale;
             }
         }
         Ok(())

@@ -17,7 +17,7 @@ use crate::case::{Case, FlowSpec};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::interface::Sides;
-use crate::mesh::{LocalMesh, NodePlace, axes};
+use crate::mesh::{LocalMesh, axes};
 use crate::petsc::{KspSetup, Matrix, Snes};
 use crate::runtime::Runtime;
 use crate::solve::problem::KnownPressure;
@@ -95,16 +95,15 @@ pub fn couple(
     eliminate: Option<&KspSetup>,
 ) -> Result<Coupled> {
     let (comm, petsc, dim) = (&runtime.comm, &runtime.petsc, case.dim);
-    let corners = LocalMesh::new(&mesh.column.of_first_order(), mesh.cells.clone(), 0);
-    let prescribed = PrescribedPressure::new(case, &corners.column);
+    let corners = mesh.corners();
+    let prescribed = PrescribedPressure::new(case);
     let pressures = Pressures { corners: &corners, prescribed: &prescribed };
     let space = Rc::new(pore_space(comm, case, (mesh, all, sides), &pressures)?);
-    let owned = &space.nodes.names[..space.nodes.owned];
-    AtNode::agree(comm, prescribed.check(owned, &case.load_times()))?;
+    AtNode::agree(comm, prescribed.check(space.nodes.iter_owned(), &case.load_times()))?;
     let [inflow, injection] = [Loads::inflow(case, &corners), Loads::injection(case, &corners)];
     comm.agree([&inflow, &injection].iter().try_for_each(|of| of.check(&case.load_times())))?;
     let sources = [inflow, injection].map(|rate| Source::new(rate, space.nodes.len()));
-    let mut initial = AtNode::agree(comm, initial(case, flow, &corners, &space))?;
+    let mut initial = AtNode::agree(comm, initial(case, flow, &space))?;
     space.follow(&mut initial);
 
     let stiffest = |p: &crate::mesh::Prototype| {
@@ -125,7 +124,7 @@ pub fn couple(
         }
         None => {
             let matrix = space.matrix(comm, petsc)?;
-            let second = mesh.column.highest_order() == 2;
+            let second = mesh.facts.order == 2;
             let multigrid = [MULTIGRID, if second { &[SWEEPS] } else { &[] }].concat();
             let options = if space.nodes.total <= FEW { ELIMINATION } else { &multigrid };
             let solver = Snes::new(petsc, FLOW, matrix, &KspSetup::new(options))?;
@@ -181,8 +180,8 @@ pub fn known_pressure(
     if !case.pressure_is_load {
         return Ok(None);
     }
-    let corners = LocalMesh::new(&mesh.column.of_first_order(), mesh.cells.clone(), 0);
-    let prescribed = PrescribedPressure::new(case, &corners.column);
+    let corners = mesh.corners();
+    let prescribed = PrescribedPressure::new(case);
     let pressures = Pressures { corners: &corners, prescribed: &prescribed };
     let space = pore_space(comm, case, (mesh, all, &[]), &pressures)?;
     KnownPressure::new(comm, space, prescribed, &case.load_times()).map(Some)
@@ -205,39 +204,33 @@ fn pore_space(
     for (prototype, index) in mesh.prototypes.iter().zip(&mut index) {
         let material = &case.materials[prototype.material];
         if let Some(porous) = &material.porous {
-            *index = Some(prototypes.len() as u16);
+            *index = Some(prototypes.len() as u32);
             let medium = PorousMedium::new(material, porous, dim);
             prototypes.push(PorousCell::new(prototype, medium, dim));
         }
     }
-    let porous = mesh.cells.iter().zip(&mesh.cell_prototype).enumerate();
-    let porous: Vec<(usize, u64, u16)> = porous
-        .filter_map(|(cell, (name, prototype))| Some((cell, *name, index[*prototype as usize]?)))
-        .collect();
-    let column = &corners.column;
-    let names_of = |name: u64| column.cell_nodes(column.cell_place(name));
-    let mut touched: Vec<u64> = porous.iter().flat_map(|(_, name, _)| names_of(*name)).collect();
+    let porous = mesh.cell_prototype.iter().enumerate();
+    let porous: Vec<(usize, u32)> =
+        porous.filter_map(|(cell, prototype)| Some((cell, index[*prototype as usize]?))).collect();
+    let names_of =
+        |cell: usize| corners.cell_nodes(cell).iter().map(|n| corners.nodes.names[*n as usize]);
+    let mut touched: Vec<u64> = porous.iter().flat_map(|(cell, _)| names_of(*cell)).collect();
     touched.sort_unstable();
     touched.dedup();
-    let directory = Directory::new(comm, column.nodes(), &touched);
+    let directory = Directory::new(comm, mesh.facts.nodes, &touched);
     let rows = tie_rows(comm, case, sides, pressures, &directory)?;
-    touched.extend(further_nodes(case, (mesh, all), pressures, &rows));
-    let nodes = Nodes::new(comm, &directory, &touched)?;
-    let cells = porous.iter().map(|(cell, name, prototype)| {
+    touched.extend(further_nodes(case, sides, (mesh, all), &rows));
+    let nodes = Nodes::new(comm, &directory, &touched, &corners.nodes)?;
+    let cells = porous.iter().map(|(cell, prototype)| {
         let mut of = [0; MAX_CORNERS];
-        for (of, name) in of.iter_mut().zip(names_of(*name)) {
+        for (of, name) in of.iter_mut().zip(names_of(*cell)) {
             *of = nodes.local(name).expect("the nodes of the rank's cells are held");
         }
         PoreCell { cell: *cell as u32, prototype: *prototype, nodes: of }
     });
     let cells = cells.collect();
     let (ties, tie_of) = ties(&rows, &nodes);
-    let films = films(case, sides, (mesh, all), pressures, &nodes);
-    let displacement_name = |name: &u64| {
-        let NodePlace { body, at } = column.node_place(*name);
-        let order = mesh.column.order(body);
-        mesh.column.node(NodePlace { body, at: at.map(|at| at * order) })
-    };
+    let films = films(case, sides, (mesh, all), &nodes);
     Ok(PoreSpace {
         dim,
         cells,
@@ -245,8 +238,7 @@ fn pore_space(
         ties,
         tie_of,
         films,
-        prescribed: nodes.names.iter().map(|n| prescribed.entry_of(*n).is_some()).collect(),
-        displacement_names: nodes.names[..nodes.owned].iter().map(displacement_name).collect(),
+        prescribed: nodes.marks.iter().map(|n| prescribed.entry_of(n).is_some()).collect(),
         nodes,
     })
 }
@@ -255,12 +247,10 @@ fn pore_space(
 fn initial(
     case: &Case,
     flow: &FlowSpec,
-    corners: &LocalMesh,
     space: &PoreSpace,
 ) -> std::result::Result<Vec<f64>, AtNode> {
-    let at = |name: &u64| {
-        let [x, y, z] = corners.column.point(*name);
-        let value = flow.initial.at([x, y, z], case.start);
+    let at = |(name, [x, y, z]): (&u64, &[f64; 3])| {
+        let value = flow.initial.at([*x, *y, *z], case.start);
         let words = || {
             format!(
                 "initial.pressure is {value} at ({x}, {y}, {z}) m; the formula must give finite \
@@ -269,5 +259,5 @@ fn initial(
         };
         if value.is_finite() { Ok(value) } else { Err(AtNode(*name, Error::Input(words()))) }
     };
-    space.nodes.names.iter().map(at).collect()
+    space.nodes.names.iter().zip(&space.nodes.points).map(at).collect()
 }

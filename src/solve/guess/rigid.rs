@@ -8,15 +8,18 @@ use nalgebra::{DMatrix, DVector};
 use super::energy_projection::least_energy;
 use crate::assembly::Discretization;
 use crate::comm::Comm;
-use crate::mesh::{Column, axes};
+use crate::graph::groups;
+use crate::mesh::{MeshFacts, axes};
 use crate::solve::model::interfaces::InterfaceState;
 
 /// The bodies of a column as rigid ones; a group of bodies that interfaces hold together moves as
 /// one.
 pub struct RigidMotions {
-    column: Column,
-    /// Position (m) and body of every local node, once they are wanted.
-    places: Vec<([f64; 3], usize)>,
+    /// Extent of the mesh along x, y, z (m).
+    size: [f64; 3],
+    bodies: usize,
+    /// The two bodies that each interface joins.
+    joints: Vec<[usize; 2]>,
     /// Group of each body for which `energy` holds.
     groups: Vec<usize>,
     /// R^T K R of each group's motions, which vanish where displacements are prescribed.
@@ -24,10 +27,12 @@ pub struct RigidMotions {
 }
 
 impl RigidMotions {
-    /// Of the bodies of a column.
-    pub fn new(column: &Column) -> Self {
-        let column = column.clone();
-        Self { column, places: Vec::new(), groups: Vec::new(), energy: Vec::new() }
+    /// Of the bodies of a mesh.
+    pub fn new(mesh: &MeshFacts) -> Self {
+        let joints =
+            mesh.interfaces.iter().map(|lips| lips.each_ref().map(|lip| lip.body)).collect();
+        let (size, bodies) = (mesh.size, mesh.bodies);
+        Self { size, bodies, joints, groups: Vec::new(), energy: Vec::new() }
     }
 
     /// The rigid motion of the bodies that is closest to the solution for `rhs`, at owned
@@ -43,7 +48,7 @@ impl RigidMotions {
         rhs: &[f64],
     ) -> Option<Vec<f64>> {
         let groups = self.groups(comm, all, interfaces);
-        let count = groups.last()? + 1;
+        let count = groups.iter().max()? + 1;
         if count == 1 {
             return None;
         }
@@ -59,7 +64,7 @@ impl RigidMotions {
         self.add_jumps(all, interfaces, stiffness, energies);
         let dim = all.dim;
         for (node, (rhs, free)) in rhs.chunks_exact(dim).zip(free.chunks_exact(dim)).enumerate() {
-            let (first, values) = self.at(dim, node);
+            let (first, values) = self.at(all, node);
             for (work, r) in work[first..][..motions].iter_mut().zip(values) {
                 *work += (0..dim).filter(|c| free[*c]).map(|c| r[c] * rhs[c]).sum::<f64>();
             }
@@ -75,7 +80,7 @@ impl RigidMotions {
         let weights = least_energy(&energy, &work)?;
         let mut motion = vec![0.0; rhs.len()];
         for (node, u) in motion.chunks_exact_mut(dim).enumerate() {
-            let (first, values) = self.at(dim, node);
+            let (first, values) = self.at(all, node);
             for c in (0..dim).filter(|c| !all.prescribed[node][*c]) {
                 u[c] = (0..motions).map(|m| weights[first + m] * values[m][c]).sum();
             }
@@ -93,17 +98,14 @@ impl RigidMotions {
             }
         }
         comm.max(&mut holds);
-        let mut groups = vec![0];
-        for holds in holds {
-            groups.push(groups[groups.len() - 1] + usize::from(holds == 0.0));
-        }
-        groups
+        let joints = self.joints.iter().zip(&holds).filter(|(_, holds)| **holds != 0.0);
+        groups(self.bodies, joints.map(|(joint, _)| *joint))
     }
 
     /// The first motion of the group of a node, and the node's displacement in all of them.
-    fn at(&self, dim: usize, node: usize) -> (usize, [[f64; 3]; 6]) {
-        let (point, body) = self.places[node];
-        let (axes, motions) = (axes(dim), motions(dim));
+    fn at(&self, all: &Discretization, node: usize) -> (usize, [[f64; 3]; 6]) {
+        let (point, body) = (all.nodes.points[node], all.nodes.marks[node].body as usize);
+        let (axes, motions) = (axes(all.dim), motions(all.dim));
         let mut values = [[0.0; 3]; 6];
         for (u, motion) in values.iter_mut().zip(motions) {
             match *motion {
@@ -117,18 +119,14 @@ impl RigidMotions {
         (self.groups[body] * motions.len(), values)
     }
 
-    /// Distance from the middle of the column along an axis, over its height.
+    /// Distance from the middle of the mesh along an axis, over its height.
     fn lever(&self, point: [f64; 3], axis: usize) -> f64 {
-        (point[axis] - 0.5 * self.column.size[axis]) / self.column.size[2]
+        (point[axis] - 0.5 * self.size[axis]) / self.size[2]
     }
 
     /// Works out the energies of the bulk: only cells with prescribed displacements have any.
     /// Collective.
     fn set_energy(&mut self, comm: &Comm, all: &Discretization, count: usize) {
-        if self.places.is_empty() {
-            let place = |name: &u64| (self.column.point(*name), self.column.node_place(*name).body);
-            self.places = all.nodes.names.iter().map(place).collect();
-        }
         let (dim, motions) = (all.dim, motions(all.dim).len());
         let mut sums = vec![0.0; count * motions * motions];
         for cell in 0..all.cells.len() {
@@ -140,7 +138,7 @@ impl RigidMotions {
             let mut u = DMatrix::zeros(size, motions);
             let mut first = 0;
             for (i, node) in nodes.iter().map(|n| *n as usize).enumerate() {
-                let (group, values) = self.at(dim, node);
+                let (group, values) = self.at(all, node);
                 first = group;
                 for c in (0..dim).filter(|c| !all.prescribed[node][*c]) {
                     (0..motions).for_each(|m| u[(i * dim + c, m)] = values[m][c]);
@@ -176,7 +174,7 @@ impl RigidMotions {
                     if all.prescribed[node as usize][c] {
                         continue;
                     }
-                    let (first, values) = self.at(dim, node as usize);
+                    let (first, values) = self.at(all, node as usize);
                     for m in 0..motions {
                         jumps[first + m][c] += a * values[m][c];
                     }

@@ -32,7 +32,7 @@ impl BoundaryValueProblem {
     /// `Input` when boundary entries disagree, a formula gives no finite number at an instant, a
     /// side of an interface is not covered, or there are more unknowns than PETSc numbers.
     pub fn new(comm: &Comm, case: &Case, mesh: LocalMesh) -> Result<Self> {
-        let prescribed = Prescribed::new(case, &mesh.column);
+        let prescribed = Prescribed::new(case);
         let times = case.load_times();
         let mut largest = [AtNode::agree(comm, prescribed.largest_value(&mesh.nodes, &times))?];
         comm.max(&mut largest);
@@ -40,7 +40,7 @@ impl BoundaryValueProblem {
         AtNode::agree(comm, agreement)?;
         let loads = Loads::new(case, &mesh);
         comm.agree(loads.check(&times))?;
-        let sides = Sides::choose(case, &mesh.column);
+        let sides = Sides::choose(case, &mesh.facts);
         let all = Rc::new(discretize(comm, case, &mesh, &sides)?);
         let unknowns = all.nodes.total * case.dim as u64;
         if i32::try_from(unknowns).is_err() {
@@ -60,17 +60,21 @@ pub(in crate::solve) fn discretize(
     mesh: &LocalMesh,
     sides: &[Sides],
 ) -> Result<Discretization> {
-    let prescribed = Prescribed::new(case, &mesh.column);
-    let directory = Directory::new(comm, mesh.column.nodes(), &mesh.nodes);
-    let fixed = |node: u64| prescribed.components_of(node);
+    let prescribed = Prescribed::new(case);
+    let names = &mesh.nodes.names;
+    let directory = Directory::new(comm, mesh.facts.nodes, names);
+    let fixed = |name: u64| {
+        let node = mesh.nodes.number(name).expect("a node of the rank's own cell");
+        prescribed.components_of(&mesh.nodes.marks[node])
+    };
     let rows = jump_rows(comm, mesh, sides, (case.dim, &fixed), &directory)?;
-    let mut needed = mesh.nodes.clone();
+    let mut needed = names.clone();
     needed.extend(
         rows.iter()
             .flat_map(|r| r.rows.iter().flatten())
             .flat_map(|r| r.others.iter().map(|o| o.0)),
     );
-    let nodes = Nodes::new(comm, &directory, &needed)?;
+    let nodes = Nodes::new(comm, &directory, &needed, &mesh.nodes)?;
     drop(directory);
     let cells = cells(case, mesh, &nodes);
     Ok(Discretization::new(case.dim, cells, nodes, &prescribed, rows))
@@ -86,10 +90,9 @@ fn cells(case: &Case, mesh: &LocalMesh, nodes: &Nodes) -> Cells {
             Stiffness::new(p, elastic, case.dim, case.has_mean_dilatation(material))
         })
         .collect();
-    let local = |name: u64| nodes.local(name).expect("the nodes of the rank's cells are held");
-    let connectivity = mesh.cells.iter().map(|c| {
-        let names = mesh.column.cell_nodes(mesh.column.cell_place(*c));
-        names.into_iter().map(local).collect()
-    });
+    let local = |name: &u64| nodes.local(*name).expect("the nodes of the rank's cells are held");
+    let locals: Vec<u32> = mesh.nodes.names.iter().map(local).collect();
+    let connectivity = (0..mesh.cells.len())
+        .map(|cell| mesh.cell_nodes(cell).iter().map(|node| locals[*node as usize]).collect());
     Cells::new(case.dim, connectivity, mesh.cell_prototype.clone(), stiffness)
 }

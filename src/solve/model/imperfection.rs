@@ -2,7 +2,6 @@
 //! node.
 
 use crate::case::Case;
-use crate::mesh::Column;
 use crate::space::AtNode;
 
 /// The factors at secondary nodes, given as interface and name; 1 where the interface is perfect.
@@ -12,12 +11,11 @@ use crate::space::AtNode;
 /// At the first node where the factor is not positive or not finite, naming entry and place.
 pub fn strength_factors(
     case: &Case,
-    column: &Column,
-    nodes: impl Iterator<Item = (usize, u64)>,
+    nodes: impl Iterator<Item = (usize, u64, [f64; 3])>,
 ) -> Result<Vec<f64>, AtNode> {
-    let factor = |(interface, node): (usize, u64)| {
+    let factor = |(interface, node, point): (usize, u64, [f64; 3])| {
         let of = case.imperfections.iter().find(|one| one.interface == interface);
-        let at = |one: &crate::case::Imperfection| one.at(column.point(node));
+        let at = |one: &crate::case::Imperfection| one.at(point);
         of.map_or(Ok(1.0), at).map_err(|error| AtNode(node, error))
     };
     nodes.map(factor).collect()

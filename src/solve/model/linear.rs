@@ -1,7 +1,7 @@
 //! The linear solver: presets, the choice between them, and how far systems are solved.
 
 use crate::case::{Case, Form, Linear};
-use crate::mesh::Column;
+use crate::mesh::MeshFacts;
 use crate::petsc::{LinearTolerance, Trial};
 
 /// A preset and why it was chosen.
@@ -92,7 +92,7 @@ const MOST_FOR_ELIMINATION: f64 = 1.5e5;
 
 impl LinearChoice {
     /// The preset the case names, or the one that suits the size and shape of the problem.
-    pub fn new(case: &Case, column: &Column) -> Self {
+    pub fn new(case: &Case, mesh: &MeshFacts) -> Self {
         if case.solver.form == Form::SaddlePoint {
             let why = "form: saddle_point, whose tangent is not symmetric: LU".into();
             return Self { preset: "mumps", why, options: MUMPS_LU.to_vec() };
@@ -102,11 +102,11 @@ impl LinearChoice {
             Linear::Gamg => Self::named("gamg", "asked for".into()),
             Linear::Hypre => Self::named("hypre", "asked for".into()),
             Linear::Multigrid => Self::named(MULTIGRID, "asked for".into()),
-            Linear::Auto => Self::automatic(case, column),
+            Linear::Auto => Self::automatic(case, mesh),
         }
     }
 
-    /// The choice for a mesh that has no coarser lattice: elimination in the place of multigrid.
+    /// The choice for a mesh that has no coarser level: elimination in the place of multigrid.
     pub fn without_levels(self) -> Self {
         let why = format!("{}, but the mesh is too small for a coarser lattice", self.why);
         Self::named("mumps", why)
@@ -130,8 +130,8 @@ impl LinearChoice {
 
     /// Geometric multigrid, unless the problem is small or too close to incompressible for
     /// point-wise smoothing.
-    fn automatic(case: &Case, column: &Column) -> Self {
-        let unknowns = column.nodes() as f64 * column.dim as f64;
+    fn automatic(case: &Case, mesh: &MeshFacts) -> Self {
+        let unknowns = mesh.nodes as f64 * mesh.dim as f64;
         let largest = case.materials.iter().map(|m| m.poisson_ratio).fold(0.0, f64::max);
         if largest > HARD_TO_SMOOTH && unknowns < MOST_FOR_ELIMINATION {
             let why = format!(

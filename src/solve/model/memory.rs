@@ -5,7 +5,7 @@
 
 use super::linear::MULTIGRID;
 use crate::case::Case;
-use crate::mesh::Column;
+use crate::mesh::MeshFacts;
 
 /// What a rank has before its share of the problem: libraries, mostly (bytes).
 const PER_RANK: f64 = 5.5e7;
@@ -34,15 +34,15 @@ const PER_PRESSURE: [f64; 2] = [1100.0, 1600.0];
 const PER_VECTORS: f64 = 275.0;
 
 /// Pressures that are unknown, at most: as if all cells were porous.
-pub fn pressures(case: &Case, column: &Column) -> u64 {
-    if case.flow.is_some() { column.of_first_order().nodes() } else { 0 }
+pub fn pressures(case: &Case, mesh: &MeshFacts) -> u64 {
+    if case.flow.is_some() { mesh.corners } else { 0 }
 }
 
 /// The memory of all ranks, about (bytes).
-pub fn memory(preset: &str, case: &Case, column: &Column, ranks: usize) -> f64 {
-    let displacements = column.nodes() as f64 * column.dim as f64;
-    let pressures = pressures(case, column) as f64;
-    let (flat, second) = (column.dim == 2, column.highest_order() == 2);
+pub fn memory(preset: &str, case: &Case, mesh: &MeshFacts, ranks: usize) -> f64 {
+    let displacements = mesh.nodes as f64 * mesh.dim as f64;
+    let pressures = pressures(case, mesh) as f64;
+    let (flat, second) = (mesh.dim == 2, mesh.order == 2);
     let kind = 2 * usize::from(second) + usize::from(!flat);
     let listed = PER_UNKNOWN.iter().find(|(name, _)| *name == preset);
     let shared = SHARED.iter().find(|(name, _)| *name == preset && ranks > 1);
@@ -54,21 +54,10 @@ pub fn memory(preset: &str, case: &Case, column: &Column, ranks: usize) -> f64 {
     } else {
         // Both fields are eliminated together: pressures lengthen the rows and the sections.
         let longer = 1.0 + pressures / displacements;
-        let rows = FACTORS[usize::from(!flat)] * (longer * smallest_section(column)).powf(POWER);
+        let rows =
+            FACTORS[usize::from(!flat)] * (longer * (mesh.dim as f64 * mesh.section)).powf(POWER);
         let rows = rows * if second { FACTORS_OF_SECOND_ORDER } else { 1.0 };
         (displacements + pressures) * rows * shared
     };
     PER_RANK * ranks as f64 + solver
-}
-
-/// Unknowns of the smallest plane section across an axis.
-fn smallest_section(column: &Column) -> f64 {
-    let along = |axis: usize| -> f64 {
-        let nodes =
-            (0..column.bodies()).map(|b| (column.extent(b)[axis] * column.order(b) + 1) as f64);
-        if axis == 2 { nodes.sum() } else { nodes.fold(0.0, f64::max) }
-    };
-    let [x, y, z] = [0, 1, 2].map(along);
-    let section = if column.dim == 2 { x.min(z) } else { (x * y).min(x * z).min(y * z) };
-    column.dim as f64 * section
 }

@@ -5,7 +5,6 @@ use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::hash::mix;
 use crate::law::Branch;
-use crate::mesh::Column;
 use crate::petsc::Verdict;
 use crate::signals;
 use crate::solve::model::interfaces::InterfaceState;
@@ -104,7 +103,6 @@ struct Measure {
 pub struct Convergence {
     tolerance: f64,
     max_newton: usize,
-    column: Column,
     interface_names: Vec<String>,
     /// What has to hold beside forces and jumps, in words.
     pub other: &'static str,
@@ -123,22 +121,16 @@ pub struct Convergence {
     pub softening: Option<(u64, u64)>,
     /// Why the last solve failed, in words; the same on all ranks.
     pub failure: Option<String>,
-    /// Node of this rank at which the last residual was not a number.
-    broken: Option<u64>,
+    /// Position of a node of this rank at which the last residual was not a number (m).
+    broken: Option<[f64; 3]>,
 }
 
 impl Convergence {
     /// `tolerance` relative, `max_newton` corrections at most.
-    pub fn new(
-        tolerance: f64,
-        max_newton: usize,
-        column: &Column,
-        interface_names: Vec<String>,
-    ) -> Self {
+    pub fn new(tolerance: f64, max_newton: usize, interface_names: Vec<String>) -> Self {
         Self {
             tolerance,
             max_newton,
-            column: column.clone(),
             interface_names,
             other: "",
             accepted: [0.0; 2],
@@ -153,11 +145,6 @@ impl Convergence {
         }
     }
 
-    /// The column of the nodes it judges.
-    pub fn column(&self) -> &Column {
-        &self.column
-    }
-
     /// Takes note of the scales of a state, those of this rank's nodes. Collective.
     pub fn see_scales(&mut self, comm: &Comm, own: Scales) {
         let mut all = [own.force, own.displacement, own.cancelling];
@@ -170,13 +157,13 @@ impl Convergence {
     /// Local.
     pub fn see_residual(&mut self, all: &Discretization, f: &[f64]) {
         let broken = f.iter().position(|force| !force.is_finite());
-        self.broken = broken.map(|i| all.nodes.names[i / all.dim]);
+        self.broken = broken.map(|i| all.nodes.points[i / all.dim]);
     }
 
     /// Where the last residual was not a number, in words. Collective.
     pub fn broken_place(&self, comm: &Comm) -> Option<String> {
-        let first =
-            comm.agree(self.broken.map_or(Ok(()), |node| Err(Error::Numerics(self.at(node)))));
+        let at = |[x, y, z]: [f64; 3]| Err(Error::Numerics(format!("at ({x}, {y}, {z}) m")));
+        let first = comm.agree(self.broken.map_or(Ok(()), at));
         first.err().map(|place| place.to_string())
     }
 
@@ -304,7 +291,8 @@ impl Convergence {
             self.measure(comm, all, interfaces, worst);
         if worst.not_a_number || !norm.is_finite() || defect.iter().any(|d| d.not_a_number) {
             let first = defect.iter().find(|d| d.not_a_number).copied().unwrap_or(worst);
-            self.failure = Some(format!("a force is not a number {}", self.at(first.node)));
+            let place = all.nodes.place_in_words(comm, first.node);
+            self.failure = Some(format!("a force is not a number {place}"));
             return Ok(Verdict::Diverged);
         }
         tracing::debug!(
@@ -348,8 +336,8 @@ impl Convergence {
             let what = if control > out_of_balance.max(largest) {
                 format!("{} is off by {control:.1e}", self.other)
             } else {
-                let (place, what) = self.worst_place(worst, &defect, out_of_balance);
-                format!("{what} {place}")
+                let (node, what) = self.worst_place(worst, &defect, out_of_balance);
+                format!("{what} {}", all.nodes.place_in_words(comm, node))
             };
             self.failure = Some(format!(
                 "no convergence in {iteration} corrections (solver.max_newton): {what}; tolerance {:.1e}",
@@ -360,8 +348,8 @@ impl Convergence {
         Ok(Verdict::Continue)
     }
 
-    /// The largest contribution in words, and where it is.
-    fn worst_place(&self, worst: Worst, defect: &[Worst], force: f64) -> (String, String) {
+    /// The node of the largest contribution, and what that is, in words.
+    fn worst_place(&self, worst: Worst, defect: &[Worst], force: f64) -> (u64, String) {
         let (index, jump) = defect
             .iter()
             .enumerate()
@@ -370,16 +358,10 @@ impl Convergence {
         if jump.value > force {
             let name = &self.interface_names[index];
             let what = format!("the jump of interface {name} is off by {:.1e}", jump.value);
-            (self.at(jump.node), what)
+            (jump.node, what)
         } else {
-            (self.at(worst.node), format!("the largest out-of-balance force is {force:.1e}"))
+            (worst.node, format!("the largest out-of-balance force is {force:.1e}"))
         }
-    }
-
-    /// The place of a node in words.
-    pub fn at(&self, node: u64) -> String {
-        let [x, y, z] = self.column.point(node);
-        format!("at ({x}, {y}, {z}) m")
     }
 
     /// The period, if the last states of the branches repeat twice.

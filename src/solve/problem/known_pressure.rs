@@ -25,8 +25,7 @@ impl KnownPressure {
         prescribed: PrescribedPressure,
         times: &[f64],
     ) -> Result<Self> {
-        let owned = &space.nodes.names[..space.nodes.owned];
-        AtNode::agree(comm, prescribed.check(owned, times))?;
+        AtNode::agree(comm, prescribed.check(space.nodes.iter_owned(), times))?;
         Ok(Self { pressure: vec![0.0; space.nodes.len()], space, prescribed })
     }
 
@@ -35,9 +34,11 @@ impl KnownPressure {
     /// # Errors
     /// `Input` when a formula gives no finite number.
     pub(in crate::solve) fn set(&mut self, time: f64) -> Result<()> {
-        for (name, pressure) in self.space.nodes.names.iter().zip(&mut self.pressure) {
-            if let Some(entry) = self.prescribed.entry_of(*name) {
-                *pressure = self.prescribed.value(entry, *name, time)?;
+        let Self { space, prescribed, pressure } = self;
+        let nodes = space.nodes.marks.iter().zip(&space.nodes.points);
+        for ((marks, point), pressure) in nodes.zip(pressure) {
+            if let Some(entry) = prescribed.entry_of(marks) {
+                *pressure = prescribed.value(entry, *point, time)?;
             }
         }
         Ok(())

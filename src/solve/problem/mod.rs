@@ -17,9 +17,8 @@ mod unsymmetric;
 
 pub use energy::Energy;
 pub use known_pressure::KnownPressure;
-pub use reactions::reactions;
-
 pub(super) use predictor::{Onset, Prediction};
+pub use reactions::reactions;
 
 use std::rc::Rc;
 
@@ -27,6 +26,7 @@ use crate::assembly::{CellSet, Discretization, NodeState, Tangent};
 use crate::bulk::Loads;
 use crate::comm::Comm;
 use crate::error::Result;
+use crate::mesh::MeshFacts;
 use crate::multigrid::Hierarchy;
 use crate::petsc::Verdict;
 use crate::signals::Pulse;
@@ -102,6 +102,8 @@ pub struct Problem<'a> {
     waits: bool,
     /// 2-norm of the residual that was judged last.
     pub(super) judged_norm: f64,
+    /// What is known of the whole mesh.
+    pub mesh: MeshFacts,
     /// Corrections of the running solve up to the state that was judged last.
     pub(super) corrections: usize,
     /// Whether the last correction needed what is not symmetric in the tangent.
@@ -128,10 +130,10 @@ impl<'a> Problem<'a> {
         (form, diagonal): (TangentForm, f64),
         convergence: Convergence,
         linear: LinearTarget,
+        mesh: MeshFacts,
     ) -> Self {
-        let size = all.nodes.len() * all.dim;
-        let rigid = RigidMotions::new(convergence.column());
-        let mut of_all = vec![0.0; size];
+        let components = all.nodes.len() * all.dim;
+        let mut of_all = vec![0.0; components];
         all.cells.add_diagonal(&mut of_all);
         all.nodes.add_to_owners(&mut of_all, all.dim);
         let of_nodes = of_all[..all.nodes.owned * all.dim].chunks_exact(all.dim);
@@ -146,19 +148,20 @@ impl<'a> Problem<'a> {
             form,
             diagonal,
             stiffness,
-            displacement: vec![0.0; size],
-            load: vec![0.0; size],
+            displacement: vec![0.0; components],
+            load: vec![0.0; components],
             pore_force: Vec::new(),
             known_pressure: None,
             known_jumps: Vec::new(),
-            bulk_force: vec![0.0; size],
-            balance: vec![0.0; size],
+            bulk_force: vec![0.0; components],
+            balance: vec![0.0; components],
             path: None,
             spare: Default::default(),
             assembled_state: None,
             preconditioned: None,
             projection: EnergyProjection::default(),
-            rigid,
+            rigid: RigidMotions::new(&mesh),
+            mesh,
             prediction: Prediction::default(),
             turns: 0,
             waits: false,

@@ -2,14 +2,12 @@
 
 use crate::assembly::Discretization;
 use crate::case::Surface;
-use crate::mesh::Column;
 
 /// The forces of the supports on the bodies over this rank's own nodes (N; in 2D per metre): of
 /// each of the `surfaces` over all its nodes, by component where one is prescribed, whoever
 /// prescribes it, so that a node of two surfaces counts for both; last of all nodes, each once.
 /// `force` is that at a node and component. Local.
 pub fn reactions(
-    column: &Column,
     all: &Discretization,
     surfaces: &[Surface],
     force: impl Fn(usize, usize) -> f64,
@@ -17,12 +15,11 @@ pub fn reactions(
     let mut sums = vec![[0.0; 3]; surfaces.len() + 1];
     let (of_surfaces, total) = sums.split_at_mut(surfaces.len());
     for node in (0..all.nodes.owned).filter(|node| all.prescribed[*node] != [false; 3]) {
-        let lies_on = column.surfaces(all.nodes.names[node]);
         for c in (0..all.dim).filter(|c| all.prescribed[node][*c]) {
             let force = force(node, c);
             total[0][c] += force;
             for (surface, sum) in surfaces.iter().zip(&mut *of_surfaces) {
-                if lies_on.contains(*surface) {
+                if all.nodes.marks[node].is_on(*surface) {
                     sum[c] += force;
                 }
             }

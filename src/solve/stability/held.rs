@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 use crate::assembly::Discretization;
 use crate::case::Case;
 use crate::comm::Comm;
-use crate::mesh::{Column, axes};
+use crate::mesh::{MeshFacts, axes};
 use crate::solve::model::interfaces::{InterfaceState, NodeResponse};
 
 /// A motion is free where what resists it is less than this part of what would if everything held.
@@ -48,17 +48,14 @@ fn motion(number: usize, point: [f64; 3], centre: [f64; 3]) -> [f64; 3] {
 pub fn free_motions(
     comm: &Comm,
     case: &Case,
-    column: &Column,
+    mesh: &MeshFacts,
     all: &Discretization,
     interfaces: &InterfaceState,
 ) -> Vec<String> {
-    let (dim, bodies) = (all.dim, column.bodies());
+    let (dim, bodies) = (all.dim, mesh.bodies);
     let (axes, motions) = (axes(dim), if dim == 2 { &[0, 2, 4][..] } else { &[0, 1, 2, 3, 4, 5] });
     let (width, size) = (motions.len(), motions.len() * bodies);
-    let place = |node: usize| {
-        let name = all.nodes.names[node];
-        (column.point(name), column.node_place(name).body)
-    };
+    let place = |node: usize| (all.nodes.points[node], all.nodes.marks[node].body as usize);
     let holds = |interface: usize, response: &NodeResponse, c: usize| {
         let separated = is_separated(interfaces, interface, response);
         !separated || c + 1 == dim && response.branch.is_closed()
@@ -80,9 +77,7 @@ pub fn free_motions(
     comm.sum(&mut middle);
     let centre = |body: usize| -> [f64; 3] {
         let sums = &middle[4 * body..][..4];
-        std::array::from_fn(
-            |i| if sums[3] > 0.0 { sums[i] / sums[3] } else { 0.5 * column.size[i] },
-        )
+        std::array::from_fn(|i| if sums[3] > 0.0 { sums[i] / sums[3] } else { 0.5 * mesh.size[i] })
     };
     let at = |node: usize, row: &mut [f64], c: usize, factor: f64| {
         let (point, body) = place(node);
@@ -132,15 +127,10 @@ pub fn free_motions(
         });
         let names: Vec<String> = named.map(|(_, number)| name(*number)).collect();
         if !names.is_empty() {
-            let end = |index: Option<usize>, end: &str| {
-                let interface = index.and_then(|i| case.interfaces.get(i));
-                interface.map_or_else(|| end.to_owned(), |interface| interface.name.clone())
-            };
             sentences.push(format!(
-                "body {} (between {} and {}) can move freely: {}",
+                "body {} ({}) can move freely: {}",
                 body + 1,
-                end(body.checked_sub(1), "the bottom"),
-                end(Some(body), "the top"),
+                case.place_of_body(body),
                 names.join(", ")
             ));
         }

@@ -224,7 +224,7 @@ impl Stepper<'_> {
         let name = u64::MAX - problem.comm.max_u64(u64::MAX - mine.map_or(u64::MAX, |m| m.0));
         let interface = mine.filter(|m| m.0 == name).map_or(0, |m| m.1);
         let interface = problem.comm.max_u64(interface as u64) as usize;
-        (interface, problem.convergence.at(name))
+        (interface, all.nodes.place_in_words(problem.comm, name))
     }
 }
 

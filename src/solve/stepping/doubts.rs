@@ -104,7 +104,7 @@ impl Stepper<'_> {
         }
         let interface = mine.filter(|m| m.0 == lowest).map_or(0, |m| m.1 as u64);
         let interface = problem.comm.max_u64(interface) as usize;
-        let at = problem.convergence.at(lowest);
+        let at = problem.all.nodes.place_in_words(problem.comm, lowest);
         Some(format!("interface {} {at}", self.case.interfaces[interface].name))
     }
 }

@@ -344,9 +344,10 @@ impl<'a> Stepper<'a> {
         let start = self.case.start;
         let mut x = self.x.write()?;
         self.problem.all.for_prescribed(|node, component| {
-            let name = self.problem.all.nodes.names[node];
-            let entry = self.prescribed.entries_of(name)[component];
-            let at = |entry, time| self.prescribed.value(entry, component, name, time);
+            let nodes = &self.problem.all.nodes;
+            let entry = self.prescribed.entries_of(&nodes.marks[node])[component];
+            let point = nodes.points[node];
+            let at = |entry, time| self.prescribed.value(entry, component, point, time);
             let value = |entry| match part {
                 1.0 => at(entry, time),
                 _ => Ok(at(entry, time)? - (1.0 - part) * at(entry, start)?),

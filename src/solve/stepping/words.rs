@@ -109,8 +109,7 @@ impl Stepper<'_> {
         if !problem.comm.any(separated) {
             return None;
         }
-        let column = problem.convergence.column();
-        let free = held::free_motions(problem.comm, self.case, column, all, state);
+        let free = held::free_motions(problem.comm, self.case, &problem.mesh, all, state);
         (!free.is_empty()).then(|| {
             format!(
                 "at time {time} what is left of the interfaces does not hold: {}; prescribe \

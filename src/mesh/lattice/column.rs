@@ -1,8 +1,8 @@
 //! The column generator: bodies stacked along z, each a lattice of boxes.
 
-use super::axes;
 use crate::case::{CLOSEST_PLANES, Case, Cells};
 use crate::error::{Error, Result};
+use crate::mesh::axes;
 
 /// One layer of cells of a body.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,7 +53,7 @@ pub struct CellPlace {
     pub at: [usize; 3],
 }
 
-/// The facets of one horizontal face of a body: the side of an interface.
+/// The facets of one horizontal face of a body.
 #[derive(Debug, Clone, Copy)]
 pub struct Facets {
     /// The body whose face it is.
@@ -82,7 +82,7 @@ impl Column {
         let mut bodies = Vec::new();
         for (index, ends) in planes.windows(2).enumerate() {
             let (cells, mut levels) = match &case.mesh.cells {
-                Cells::Column(n) => (*n, uniform([0.0, size[2]], n[2])),
+                Cells::Uniform(n) => (*n, uniform([0.0, size[2]], n[2])),
                 Cells::Bodies(list) => (list[index], uniform([ends[0], ends[1]], list[index][2])),
             };
             levels.extend(changes.iter().chain(ends));

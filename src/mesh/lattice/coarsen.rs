@@ -1,7 +1,8 @@
 //! Nested coarser lattices, for multigrid and for the partition.
 
 use super::column::{Body, Column};
-use super::{CellPlace, NodePlace, axes};
+use super::{CellPlace, NodePlace};
+use crate::mesh::axes;
 
 /// Axes whose cells are longer than this many times the shortest edge are not coarsened: a
 /// point-wise smoother does nothing along them until the others have caught up.

@@ -1,13 +1,44 @@
-//! What a report tells of the model, its solver and how it is shared out.
+//! What is told of a run as a whole, for its report.
 
 use crate::case::Case;
 use crate::comm::Comm;
 use crate::error::Result;
-use crate::report::{LeftOut, LinearSolver, Model as Modelled, Partition, Ran};
+use crate::mesh::FarFacet;
+use crate::report::{LeftOut, LinearSolver, Model as Modelled, Partition, Ran, memory};
 use crate::runtime::Runtime;
 use crate::solve::Model;
+use crate::timers::{Timers, Timings};
 
-/// What is modelled, and what is left out. Local.
+/// What all ranks together took.
+pub struct Measured {
+    /// How the model was shared out.
+    pub partition: Partition,
+    /// Seconds by phase, of the slowest rank.
+    pub timings: Timings,
+    /// Sum over ranks of the largest resident memory (bytes).
+    pub memory: Option<u64>,
+    /// Bulk cells.
+    pub cells: u64,
+}
+
+impl Measured {
+    /// Collective.
+    pub fn of(comm: &Comm, timers: &Timers, model: &Model<'_>) -> Self {
+        let partition = partition_of(comm, model);
+        let timings = timers.slowest(comm);
+        let memory = memory::peak(comm);
+        let cells = comm.sum_u64(model.mesh.cells.len() as u64);
+        Self { partition, timings, memory, cells }
+    }
+}
+
+/// The options for PETSc that nothing asked for, in words. Local.
+pub fn unused_options(runtime: &Runtime) -> Result<Vec<String>> {
+    let unused = runtime.petsc.unused_options()?.into_iter();
+    Ok(unused.map(|option| format!("the PETSc option {option} was not used")).collect())
+}
+
+/// What was modelled. Local.
 pub fn modelled(case: &Case) -> Modelled {
     Modelled {
         physics: case.physics.name().into(),
@@ -43,15 +74,13 @@ pub fn linear_solver(runtime: &Runtime, model: &Model<'_>) -> Result<LinearSolve
 }
 
 /// How cells and interface nodes are shared out. Collective.
-pub fn partition_of(comm: &Comm, model: &Model<'_>) -> Partition {
+fn partition_of(comm: &Comm, model: &Model<'_>) -> Partition {
     let (mesh, all) = (&model.mesh, &model.stepper.problem.all);
-    let column = &mesh.column;
     let mut cut = 0;
-    for cell in &mesh.cells {
-        let place = column.cell_place(*cell);
-        for side in model.sides.iter().filter(|s| s.cell_is_secondary(column, place)) {
-            let facing = side.facing_cells(column, place);
-            let elsewhere = |c: &&u64| mesh.cells.binary_search(c).is_err();
+    for side in &model.sides {
+        for facet in mesh.on_lip(side.interface, side.secondary) {
+            let facing = mesh.across(side.interface, side.secondary, *facet);
+            let elsewhere = |far: &&FarFacet| mesh.cells.binary_search(&far.cell).is_err();
             cut += facing.iter().filter(elsewhere).count() as u64;
         }
     }

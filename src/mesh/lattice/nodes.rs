@@ -1,9 +1,10 @@
 //! The nodes of the lattices: at the planes between the cells and, in cells of second order,
 //! half-way.
 
+use super::CellPlace;
 use super::column::{Column, Facets, flatten, product, unflatten};
-use super::{CellPlace, axes};
 use crate::element::Shape;
+use crate::mesh::axes;
 
 /// A node by its place: body, and position along x, y, z in the body's lattice of nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,24 +13,6 @@ pub struct NodePlace {
     pub body: usize,
     /// Position along x, y, z.
     pub at: [usize; 3],
-}
-
-/// The named surfaces a node lies on, one bit each.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Surfaces(u8);
-
-impl Surfaces {
-    /// Bits in the order bottom, top, left, right, front, back.
-    const BITS: [(crate::case::Surface, u8); 6] = {
-        use crate::case::Surface::*;
-        [(Bottom, 1), (Top, 2), (Left, 4), (Right, 8), (Front, 16), (Back, 32)]
-    };
-
-    /// Whether the node lies on `surface`.
-    pub fn contains(self, surface: crate::case::Surface) -> bool {
-        surface == crate::case::Surface::All
-            || Self::BITS.iter().any(|(s, bit)| *s == surface && self.0 & bit != 0)
-    }
 }
 
 impl Column {
@@ -99,13 +82,6 @@ impl Column {
         shape.node_points().iter().map(node).collect()
     }
 
-    /// Whether a node lies on a face of a body.
-    pub fn is_on(&self, face: Facets, node: u64) -> bool {
-        let NodePlace { body, at } = self.node_place(node);
-        let k = if face.upper { self.node_extent(face.body)[2] - 1 } else { 0 };
-        body == face.body && at[2] == k
-    }
-
     /// Position of a node (m).
     pub fn point(&self, node: u64) -> [f64; 3] {
         let NodePlace { body, at } = self.node_place(node);
@@ -122,21 +98,5 @@ impl Column {
         } else {
             0.5 * (low + self.plane(body, axis, index / order + 1))
         }
-    }
-
-    /// The named surfaces a node lies on.
-    pub fn surfaces(&self, node: u64) -> Surfaces {
-        let NodePlace { body, at } = self.node_place(node);
-        let last = self.node_extent(body).map(|n| n - 1);
-        let flat = self.dim == 2;
-        let conditions = [
-            body == 0 && at[2] == 0,
-            body + 1 == self.bodies() && at[2] == last[2],
-            at[0] == 0,
-            at[0] == last[0],
-            !flat && at[1] == 0,
-            !flat && at[1] == last[1],
-        ];
-        Surfaces(conditions.iter().enumerate().map(|(bit, on)| u8::from(*on) << bit).sum())
     }
 }
