@@ -1,6 +1,10 @@
 //! Distributed nonlinear finite elements for columns and blocks crossed by cohesive interfaces.
 //!
 //! The modules stand in the order in which data flows; a module uses only those above it.
+//!
+//! A program that runs cases needs four of them: [`case`] to read or build one
+//! ([`case::sections`]), [`law`] for its interfaces, [`run`] to run it ([`run::program`],
+//! [`run::Run`]), [`results`] to read what came of it. The rest is the solver itself.
 
 pub mod error;
 pub mod comm;
@@ -27,9 +31,15 @@ pub mod solve;
 pub mod reduce;
 pub mod output;
 pub mod report;
+pub mod results;
 pub mod chart;
 pub mod html;
 pub mod study;
 pub mod page;
 pub mod cli;
 pub mod run;
+
+/// The example of the page is compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}

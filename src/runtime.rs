@@ -15,11 +15,14 @@ use std::{env, panic, process, ptr};
 /// Exit status of a run that ends by a panic.
 const PANIC: u8 = 101;
 
-/// MPI and PETSc, started. The fields are dropped in their order: PETSc ends before MPI.
+/// MPI and PETSc, started: what a program needs to run cases. The fields are dropped in their
+/// order: PETSc ends before MPI.
 ///
 /// Vectors, matrices and communicators keep what they need alive, so the order in which a program
 /// drops them does not matter; that all ranks drop them in the same order does.
 pub struct Runtime {
+    /// Of the process, not of what a rank does by itself.
+    _libraries: Option<Libraries>,
     /// PETSc.
     pub petsc: Petsc,
     /// All ranks; the last of the communicators to go finalises MPI.
@@ -47,13 +50,13 @@ impl Runtime {
         }
         let petsc = comm.agree(Petsc::start(&comm, options))?;
         comm.agree(signals::listen())?;
-        Ok(Runtime { petsc, comm })
+        Ok(Runtime { _libraries: Some(Libraries), petsc, comm })
     }
 
     /// The same for what this rank does by itself. Local.
     pub fn alone(&self) -> Self {
         let petsc = self.petsc.alone();
-        Runtime { comm: petsc.comm().clone(), petsc }
+        Runtime { _libraries: None, comm: petsc.comm().clone(), petsc }
     }
 
     /// Ends PETSc and MPI, then the process. Collective; nothing that holds PETSc or a
@@ -64,7 +67,6 @@ impl Runtime {
             self.comm.barrier();
             SimpleCommunicator::world().abort(status.into());
         }
-        keep_libraries();
         drop(self);
         process::exit(status.into())
     }
@@ -138,9 +140,17 @@ unsafe extern "C" fn note_library(loaded: *const Loaded, _: usize, data: *mut c_
     0
 }
 
-/// Keeps every library mapped until the process ends. Open MPI unloads its components while a
-/// thread of one of them may still run: of a small case one run in 300 crashed after all its work
-/// was done.
+/// Keeps every library mapped until the process ends, from when this goes. Open MPI unloads its
+/// components while a thread of one of them may still run: of a small case one run in 300 crashed
+/// after all its work was done.
+struct Libraries;
+
+impl Drop for Libraries {
+    fn drop(&mut self) {
+        keep_libraries();
+    }
+}
+
 fn keep_libraries() {
     const LAZY_NOT_LOADED_NO_DELETE: c_int = 0x1 | 0x4 | 0x1000;
     let mut names: Vec<CString> = Vec::new();

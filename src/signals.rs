@@ -11,7 +11,7 @@
 mod launcher;
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use signal_hook::consts::{SIGCONT, SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXFSZ};
@@ -74,11 +74,12 @@ pub fn is_hurried() -> bool {
 }
 
 /// When the wall-clock time of the run is over.
-static DEADLINE: OnceLock<Instant> = OnceLock::new();
+static DEADLINE: Mutex<Option<Instant>> = Mutex::new(None);
 
-/// Sets the time at which the run must have stopped. Local, once in a process.
-pub fn stop_at(deadline: Instant) {
-    let _ = DEADLINE.set(deadline);
+/// Sets the time at which the run that begins must have stopped; none in the place of that of a run
+/// before it. Local.
+pub fn stop_at(deadline: Option<Instant>) {
+    *DEADLINE.lock().unwrap_or_else(PoisonError::into_inner) = deadline;
 }
 
 /// What asks for the end before another `ahead` has passed, in words; the same on all ranks.
@@ -89,7 +90,8 @@ pub fn stop(comm: &Comm, ahead: Duration) -> Option<&'static str> {
 
 /// The number of what asks this rank for the end; 0 if nothing does. Local.
 fn asked(ahead: Duration) -> u64 {
-    let late = DEADLINE.get().is_some_and(|deadline| Instant::now() + ahead > *deadline);
+    let deadline = *DEADLINE.lock().unwrap_or_else(PoisonError::into_inner);
+    let late = deadline.is_some_and(|deadline| Instant::now() + ahead > deadline);
     let signal = REQUESTS.get().map_or(0, |r| r.stop.load(Ordering::Relaxed)) as u64;
     if late { WALL as u64 } else { signal }
 }

@@ -1,10 +1,14 @@
 //! The case file as checked types: whatever is in a [`Case`] can be computed.
+//!
+//! A case comes from the text of a file ([`Case::read`]) or from [`sections`] that are built in
+//! code ([`Case::build`]).
 
 mod bodies;
+mod build;
 mod checked;
 mod checks;
 mod schema;
-mod sections;
+pub mod sections;
 
 pub use crate::input::{Formula, Value};
 pub use crate::law::LawSpec;
@@ -56,17 +60,7 @@ impl Case {
                 problems.at(Origin::Override(number), reason);
             }
         }
-        let broken = schema::check(&mut tree, &mut problems);
-        let sections = sections(&tree, &broken);
-        let file = match serde_json::from_value(sections) {
-            Ok(file) => file,
-            Err(error) if problems.is_empty() => {
-                return Err(Error::Input(format!("{}: {error}", path.display())));
-            }
-            Err(_) => return Err(problems.into_error()),
-        };
-        let checker = Checker { tree: &tree, problems, broken, dim: 2, left_out: Vec::new() };
-        checker.case(file, path)
+        read_tree(tree, path, problems)
     }
 
     /// The times between start and end, rising, at which a table bends: no step passes over one.
@@ -111,6 +105,20 @@ impl Case {
     }
 }
 
+/// The case of a tree in which `problems` have been found so far.
+fn read_tree(mut tree: Node, path: &Path, mut problems: Problems) -> Result<Case> {
+    let broken = schema::check(&mut tree, &mut problems);
+    let file = match serde_json::from_value(readable(&tree, &broken)) {
+        Ok(file) => file,
+        Err(error) if problems.is_empty() => {
+            return Err(Error::Input(format!("{}: {error}", path.display())));
+        }
+        Err(_) => return Err(problems.into_error()),
+    };
+    let checker = Checker { tree: &tree, problems, broken, dim: 2, left_out: Vec::new() };
+    checker.case(file, path)
+}
+
 /// Refuses more overrides than anyone types.
 fn check_overrides(overrides: &[String]) -> Result<()> {
     let bytes: usize = overrides.iter().map(String::len).sum();
@@ -129,7 +137,7 @@ fn check_overrides(overrides: &[String]) -> Result<()> {
 }
 
 /// The tree with placeholders for sections that cannot be read, so that the others are checked.
-fn sections(tree: &Node, broken: &BTreeSet<String>) -> serde_json::Value {
+fn readable(tree: &Node, broken: &BTreeSet<String>) -> serde_json::Value {
     let mut sections = tree.to_json();
     if let Some(object) = sections.as_object_mut() {
         for section in broken {

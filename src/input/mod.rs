@@ -3,6 +3,7 @@
 
 pub(crate) mod duration;
 mod formula;
+mod from_json;
 pub(crate) mod problems;
 pub(crate) mod schema;
 pub(crate) mod text;

@@ -46,7 +46,8 @@ impl<'a> Problems<'a> {
         self.list.is_empty()
     }
 
-    /// One line for each mistake, in the order of the file, then of the overrides.
+    /// One line for each mistake, in the order of the file, then of the overrides. What a program
+    /// has built has no places, only dotted paths.
     pub fn into_error(self) -> Error {
         let more = self.list.len().saturating_sub(LISTED);
         let mut lines: Vec<String> = self
@@ -60,6 +61,7 @@ impl<'a> Problems<'a> {
                 Origin::Override(number) => {
                     format!("--set {}: {text}", shortened(&self.overrides[*number]))
                 }
+                Origin::Code(_) => text.clone(),
             })
             .collect();
         if more > 0 {

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use serde_json::Value as Json;
 
 use super::problems::{Problems, nearest, shortened, suggestion};
-use super::tree::{Data, Entry, Node};
+use super::tree::{Data, Entry, Node, Origin};
 use crate::error::number_text;
 
 /// Most keys of one section, the named ones too.
@@ -91,7 +91,10 @@ impl Walk<'_, '_> {
         }
         let schema = resolve(self.root, schema);
         if node.data == Data::Empty && *schema != Json::Bool(true) {
-            return self.breaks(node, path, "has no value");
+            let is_built = matches!(node.origin, Origin::Code(_));
+            // The one thing that a program can build and JSON cannot write.
+            let reason = if is_built { "must be finite" } else { "has no value" };
+            return self.breaks(node, path, reason);
         }
         if let Some(choices) = schema["anyOf"].as_array().or(schema["oneOf"].as_array()) {
             return self.choice(choices, node, path);

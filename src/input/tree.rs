@@ -24,6 +24,8 @@ pub(crate) enum Origin {
     File(u64, u64),
     /// The position of a `--set` in the list of overrides.
     Override(usize),
+    /// In a program: how many parts come before it.
+    Code(usize),
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -125,7 +127,7 @@ impl<'de> Deserialize<'de> for Data {
 }
 
 /// Refuses texts that are too long to be meant, and characters that would steer a terminal.
-fn check_text(text: &str) -> Result<(), String> {
+pub(super) fn check_text(text: &str) -> Result<(), String> {
     if text.len() > LONGEST_TEXT {
         return Err(format!("a text of {} bytes; at most {LONGEST_TEXT} are read", text.len()));
     }

@@ -64,6 +64,22 @@ fn default_augmentation() -> f64 {
 }
 
 impl BenzeggaghKenane {
+    /// The law with the default augmentation, each pair that of opening and of shear; units as in
+    /// the fields.
+    pub fn new(strengths: [f64; 2], fracture_energies: [f64; 2], exponent: f64) -> Self {
+        let [strength, shear_strength] = strengths;
+        let [fracture_energy, shear_fracture_energy] = fracture_energies;
+        let augmentation = default_augmentation();
+        Self {
+            strength,
+            shear_strength,
+            fracture_energy,
+            shear_fracture_energy,
+            exponent,
+            augmentation,
+        }
+    }
+
     fn beta(&self) -> f64 {
         self.shear_strength / self.strength
     }

@@ -36,6 +36,11 @@ fn default_augmentation() -> f64 {
 }
 
 impl Bilinear {
+    /// The law with the default augmentation; units as in the fields.
+    pub fn new(strength: f64, fracture_energy: f64, stiffness: f64) -> Self {
+        Self { strength, fracture_energy, stiffness, augmentation: default_augmentation() }
+    }
+
     /// The undamaged part of the critical jump.
     fn elastic_part(&self) -> f64 {
         self.elastic_jump() / self.critical_jump()

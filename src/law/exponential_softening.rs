@@ -37,6 +37,11 @@ fn default_augmentation() -> f64 {
 const END: f64 = 36.0;
 
 impl ExponentialSoftening {
+    /// The law with the default augmentation; units as in the fields.
+    pub fn new(strength: f64, fracture_energy: f64) -> Self {
+        Self { strength, fracture_energy, augmentation: default_augmentation() }
+    }
+
     /// L = G_c / sigma_c, m.
     fn length(&self) -> f64 {
         self.fracture_energy / self.strength

@@ -36,6 +36,11 @@ fn default_augmentation() -> f64 {
 }
 
 impl LinearSoftening {
+    /// The law with the default augmentation; units as in the fields.
+    pub fn new(strength: f64, fracture_energy: f64) -> Self {
+        Self { strength, fracture_energy, augmentation: default_augmentation() }
+    }
+
     /// h = sigma_c / delta_c, Pa/m.
     pub fn softening_slope(&self) -> f64 {
         self.strength / self.critical_jump()

@@ -201,6 +201,14 @@ macro_rules! laws {
             )+
         }
 
+        $(
+            impl From<$name> for LawSpec {
+                fn from(law: $name) -> Self {
+                    LawSpec::$name(law)
+                }
+            }
+        )+
+
         impl LawSpec {
             /// The names of all laws, as the case file writes them.
             pub const NAMES: &'static [&'static str] = &[$(stringify!($module)),+];

@@ -85,10 +85,10 @@ fn text(write: impl FnOnce(&mut csv::Writer<Vec<u8>>) -> csv::Result<()>) -> Res
     String::from_utf8(bytes).map_err(|e| failed(&e))
 }
 
-/// The history table and its file, which always holds all rows so far.
+/// The history table and its file, which always holds all rows so far; or the table alone.
 #[derive(Debug)]
 pub struct History {
-    path: PathBuf,
+    path: Option<PathBuf>,
     table: Table,
     /// Bytes of the file.
     length: u64,
@@ -114,9 +114,14 @@ impl History {
     /// # Parallel
     /// As [`History::create`].
     pub fn resume(path: PathBuf, table: Table) -> Result<Self> {
-        let mut history = Self { path, table, length: 0 };
+        let mut history = Self { path: Some(path), table, length: 0 };
         history.write()?;
         Ok(history)
+    }
+
+    /// A table without a file, with the rows so far. Local.
+    pub fn in_memory(table: Table) -> Self {
+        Self { path: None, table, length: 0 }
     }
 
     /// Adds a row, shape (number of columns), at the end of the file.
@@ -135,14 +140,23 @@ impl History {
                 self.table.columns.len()
             )));
         }
+        let Some(path) = &self.path else {
+            self.table.rows.push(row);
+            return Ok(());
+        };
         let line = self.table.row_to_csv(&row)?;
         self.table.rows.push(row);
-        let added = self.append(line.as_bytes());
-        if added.map_err(|cause| Error::file("cannot write", &self.path, cause))? {
+        let added = append(path, self.length, line.as_bytes());
+        if added.map_err(|cause| Error::file("cannot write", path, cause))? {
             self.length += line.len() as u64;
             return Ok(());
         }
         self.write()
+    }
+
+    /// All rows, when nothing is added any more.
+    pub fn into_table(self) -> Table {
+        self.table
     }
 
     /// All rows so far.
@@ -158,32 +172,34 @@ impl History {
     /// # Parallel
     /// As [`History::push`].
     pub fn flush(&self) -> Result<()> {
-        let flushed = File::open(&self.path).and_then(|file| file.sync_all());
-        flushed.map_err(|cause| Error::file("cannot write", &self.path, cause))
-    }
-
-    /// Adds a line to the file if it is the one that was written; false if somebody has taken it
-    /// away or changed it. In one write, so that others never read a part of it.
-    fn append(&self, line: &[u8]) -> io::Result<bool> {
-        let file = match File::options().append(true).open(&self.path) {
-            Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(false),
-            other => other?,
-        };
-        if file.metadata()?.len() != self.length {
-            return Ok(false);
-        }
-        // A disk without room takes a part.
-        let cut = |_: &io::Error| drop(file.set_len(self.length));
-        (&file).write_all(line).inspect_err(cut)?;
-        Ok(true)
+        let Some(path) = &self.path else { return Ok(()) };
+        let flushed = File::open(path).and_then(|file| file.sync_all());
+        flushed.map_err(|cause| Error::file("cannot write", path, cause))
     }
 
     /// Writes the file anew.
     fn write(&mut self) -> Result<()> {
+        let Some(path) = &self.path else { return Ok(()) };
         let text = self.table.to_csv()?;
         self.length = text.len() as u64;
-        atomic::write_text(&self.path, &text)
+        atomic::write_text(path, &text)
     }
+}
+
+/// Adds a line to the file if it is the one that was written, of so many bytes; false if somebody
+/// has taken it away or changed it. In one write, so that others never read a part of it.
+fn append(path: &Path, length: u64, line: &[u8]) -> io::Result<bool> {
+    let file = match File::options().append(true).open(path) {
+        Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(false),
+        other => other?,
+    };
+    if file.metadata()?.len() != length {
+        return Ok(false);
+    }
+    // A disk without room takes a part.
+    let cut = |_: &io::Error| drop(file.set_len(length));
+    (&file).write_all(line).inspect_err(cut)?;
+    Ok(true)
 }
 
 #[cfg(test)]

@@ -29,6 +29,8 @@ struct Session {
     command_line: Vec<CString>,
     /// Options that presets have set and the user has not.
     defaults: RefCell<BTreeSet<String>>,
+    /// What [`Petsc::options_of_case`] has set, with the values that stood there before.
+    of_case: RefCell<Vec<(String, Option<String>)>>,
     /// Log stages by name: PETSc takes each name once.
     stages: RefCell<BTreeMap<String, c_int>>,
 }
@@ -93,6 +95,7 @@ impl Petsc {
             _comm: comm.clone(),
             command_line,
             defaults: RefCell::default(),
+            of_case: RefCell::default(),
             stages: RefCell::default(),
         };
         Ok(Petsc { session: Rc::new(session), comm })
@@ -112,6 +115,28 @@ impl Petsc {
     pub fn has_options(&self) -> bool {
         let environment = std::env::var_os("PETSC_OPTIONS");
         !self.session.command_line.is_empty() || environment.is_some_and(|o| !o.is_empty())
+    }
+
+    /// Sets the options of a case in the place of those of the case before, if there was one in
+    /// this process. Local, but to be called alike on all ranks.
+    ///
+    /// # Errors
+    /// As [`Petsc::insert_options`].
+    pub fn options_of_case(&self, options: &str) -> Result<()> {
+        for (name, before) in self.session.of_case.take() {
+            match before {
+                Some(value) => self.set_option(&name, &value)?,
+                None => self.clear_option(&name)?,
+            }
+        }
+        let all = options_in(&self.all_options()?);
+        let before = |name: &str| all.iter().find(|(other, _)| other.eq_ignore_ascii_case(name));
+        let given = options_in(options).into_iter().map(|(name, _)| {
+            let value = before(&name).map(|(_, value)| value.clone());
+            (name, value)
+        });
+        self.session.of_case.replace(given.collect());
+        self.insert_options(options)
     }
 
     /// Adds options as they are written in a case (`-name value -name value`). Those of the command
@@ -168,6 +193,10 @@ impl Petsc {
     /// Takes an option of a preset out again. Local, alike on all ranks.
     pub(super) fn clear_default(&self, name: &str) -> Result<()> {
         self.session.defaults.borrow_mut().remove(&name.to_ascii_lowercase());
+        self.clear_option(name)
+    }
+
+    fn clear_option(&self, name: &str) -> Result<()> {
         let name = c_string(&format!("-{name}"))?;
         // SAFETY: PETSc is initialised, the string lives through the call.
         let code = unsafe { ffi::PetscOptionsClearValue(ptr::null_mut(), name.as_ptr()) };

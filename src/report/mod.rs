@@ -173,7 +173,11 @@ impl Report {
         atomic::write_text(path, &(text + "\n"))
     }
 
-    fn check(&self, path: &Path) -> Result<()> {
+    /// Refuses what JSON cannot say; `path` is for the message. Local.
+    ///
+    /// # Errors
+    /// [`Error::Numerics`] when a number of the solution is not finite.
+    pub fn check(&self, path: &Path) -> Result<()> {
         for (instant, norm) in self.residual_norms.iter().enumerate() {
             let when = format!("at instant {}", instant + 1);
             check_row(path, &when, &["residual_norms".into()], &[Some(*norm)])?;

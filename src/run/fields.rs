@@ -1,5 +1,7 @@
 //! Field files: the bulk, and the secondary side of each interface.
 
+use std::path::Path;
+
 use crate::bulk::PoroState;
 use crate::case::{BULK, Case};
 use crate::comm::Comm;
@@ -7,7 +9,6 @@ use crate::element::Shape;
 use crate::error::Result;
 use crate::fault;
 use crate::mesh::axes;
-use crate::output::directory::OutputDirectory;
 use crate::output::publisher::Publisher;
 use crate::output::series::{Fixed, Instant, Series};
 use crate::output::vtkhdf::{Array, Data, Grid, Values};
@@ -26,9 +27,10 @@ pub struct FieldWriter {
 }
 
 impl FieldWriter {
-    /// Series that go on from the instants that an earlier run has written.
-    pub fn new(case: &Case, directory: &OutputDirectory, written: Vec<Instant>) -> Self {
-        let series = |name: &str| Series::resume(directory.fields(), name, &written);
+    /// Series in the directory `fields` that go on from the instants that an earlier run has
+    /// written.
+    pub fn new(case: &Case, fields: &Path, written: Vec<Instant>) -> Self {
+        let series = |name: &str| Series::resume(fields.to_path_buf(), name, &written);
         Self {
             mesh: None,
             bulk: series(BULK),

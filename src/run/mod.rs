@@ -1,8 +1,12 @@
 //! The program: reads a case, solves it instant by instant, writes and checks the results.
+//!
+//! From code a case is run by [`Run`], within [`program`].
 
+mod carry_out;
 mod check;
 mod checkpoint;
 mod fields;
+mod from_code;
 mod history;
 mod page;
 mod probes;
@@ -15,27 +19,21 @@ mod summary;
 
 use std::cell::RefCell;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::process::ExitCode;
+use std::time::Instant;
 
 use crate::case::{Case, read_text};
 use crate::cli::{Command, RunOptions};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
-use crate::mesh::MeshFamily;
-use crate::output::directory::OutputDirectory;
-use crate::output::lock::Lock;
-use crate::partition::{self, Method};
-use crate::reduce::Situation;
+use crate::fault;
 use crate::runtime::Runtime;
-use crate::solve::{self, BoundaryValueProblem, LinearChoice, MULTIGRID, Model};
 use crate::study::{self, Request};
-use crate::timers::{Phase, Timers};
-use crate::{fault, signals};
-use checkpoint::Restart;
-use session::Session;
-use solution::Solution;
+use crate::timers::Timers;
+use carry_out::{Output, carry_out};
 
 pub use check::describe;
+pub use from_code::Run;
 pub use screen::print_exit;
 
 /// Carries out a command; returns the exit status. `check`, `schema` and `study` need no MPI.
@@ -71,38 +69,58 @@ fn study(request: &Request) -> u8 {
     }
 }
 
-/// A mesh of fewer cells per rank is not worth a level, and too few for an even partition.
-const COARSEST_CELLS: u64 = 64;
-
-/// What the checkpoint and the end of a run may take of its wall-clock time (s).
-const RESERVE: f64 = 2.0;
-
 /// Starts MPI and PETSc, runs the case, and ends with one message if it fails.
 fn run(options: &RunOptions) -> u8 {
     let timers = Timers::new();
-    let runtime = match Runtime::start(&options.petsc_options) {
+    start(&options.petsc_options, |runtime| {
+        screen::start_screen(runtime.comm.is_root(), options.quiet, options.verbose);
+        log_phases(runtime, &timers);
+        let result = run_case(runtime, &timers, options);
+        timers.unwatch();
+        result.map(|met| if met { 0 } else { 1 })
+    })
+}
+
+/// The whole of a program that runs cases, under a launcher of MPI or alone: starts MPI and PETSc,
+/// does `work` on every rank, and ends the process. An error is told once, on standard error, and
+/// the process ends with its exit status ([`Error::exit_status`]), else with 0. Collective, once in
+/// a process.
+///
+/// ```no_run
+/// use column_hpc::run::{self, Run};
+/// # fn case() -> column_hpc::error::Result<column_hpc::case::Case> { unimplemented!() }
+///
+/// fn main() -> std::process::ExitCode {
+///     run::program(|runtime| {
+///         let results = Run::of(&case()?).start(runtime)?;
+///         if runtime.comm.is_root() {
+///             println!("{:?}", results.history.column("joint.normal_traction")?);
+///         }
+///         Ok(())
+///     })
+/// }
+/// ```
+pub fn program(work: impl FnOnce(&Runtime) -> Result<()>) -> ExitCode {
+    start(&[], |runtime| runtime.comm.agree_alike(work(runtime)).map(|()| 0)).into()
+}
+
+/// Starts MPI and PETSc, does `work`, tells its error, and ends the process with its status;
+/// returns where they do not start.
+fn start(petsc_options: &[String], work: impl FnOnce(&Runtime) -> Result<u8>) -> u8 {
+    let runtime = match Runtime::start(petsc_options) {
         Ok(runtime) => runtime,
         Err(error) => {
             screen::print_once(&Err(error.clone()));
             return error.exit_status();
         }
     };
-    screen::start_screen(runtime.comm.is_root(), options.quiet, options.verbose);
-    log_phases(&runtime, &timers);
-    let result = run_case(&runtime, &timers, options);
-    timers.unwatch();
-    let status = match &result {
-        Ok(true) => 0,
-        Ok(false) => 1,
-        Err(error) => error.exit_status(),
-    };
+    let result = work(&runtime);
     if runtime.comm.is_root()
         && let Err(error) = &result
     {
         screen::complain(error);
     }
-    drop(result);
-    runtime.exit(status)
+    runtime.exit(result.unwrap_or_else(|error| error.exit_status()))
 }
 
 /// Gives the stages of PETSc's log (`-log_view`) the names of the phases.
@@ -123,38 +141,18 @@ pub fn run_case(runtime: &Runtime, timers: &Timers, options: &RunOptions) -> Res
     let comm = &runtime.comm;
     let started = Instant::now();
     let case = read_case(comm, &options.case, &options.overrides)?;
-    if let Some(seconds) = case.wall {
-        signals::stop_at(started + Duration::from_secs_f64((seconds - RESERVE).max(0.0)));
-    }
-    runtime.petsc.insert_options(&case.solver.petsc_options)?;
     let directory = options.output.as_deref().unwrap_or(&case.output.directory);
-    let resolved = case.resolved();
-    let resolved = resolved.to_string();
-    let _lock = Lock::take(comm, directory)?;
-    let restart = match &options.restart {
-        Some(word) => Some(Restart::open(comm, word, directory, &case)?),
-        None => {
-            OutputDirectory::examine(comm, directory, &resolved, options.overwrite)?;
-            None
-        }
+    let output = Output {
+        directory,
+        overwrite: options.overwrite,
+        restart: options.restart.as_deref(),
+        page: options.report,
     };
-
-    let (mut model, solution) = build(runtime, timers, &case, directory, restart.is_some())?;
-    let state = restart.map(|restart| restart.resume(comm, &case, &mut model)).transpose()?;
-    let directory = match &state {
-        Some(state) => {
-            let last = state.fields.last().map_or(0, |instant| instant.step);
-            OutputDirectory::resume(comm, directory, &resolved, last)?
-        }
-        None => OutputDirectory::open(comm, directory, &resolved, options.overwrite)?,
-    };
-    screen::describe(comm, &case, &model, solution.reduction());
-    let unresolved = solution.unresolved_zones(&case, &model);
-    unresolved.iter().for_each(|words| tracing::warn!("warning: {words}"));
-    model.stepper.remarks.extend(unresolved);
-    let mut session = Session::new(comm, timers, &case, directory, state, solution);
-    let solved = session.solve(&mut model);
-    session.close(runtime, &model, solved, options.report)
+    let ended = carry_out(runtime, timers, &case, started, Some(output))?;
+    if let Some((report, _)) = &ended.told {
+        screen::complain_of_missed(report, directory);
+    }
+    Ok(ended.met)
 }
 
 /// The case as every rank sees it; rank 0 reads the file. Collective.
@@ -162,48 +160,4 @@ fn read_case(comm: &Comm, path: &Path, overrides: &[String]) -> Result<Case> {
     let text = comm.on_root(|| read_text(path).map(String::into_bytes))?;
     fault::strike(comm, "case")?;
     comm.agree(Case::read(&String::from_utf8_lossy(&text), path, overrides))
-}
-
-/// The model that was asked for, and where its states come from. Collective.
-fn build<'a>(
-    runtime: &'a Runtime,
-    timers: &'a Timers,
-    case: &'a Case,
-    directory: &Path,
-    goes_on: bool,
-) -> Result<(Model<'a>, Solution)> {
-    let comm = &runtime.comm;
-    let mut family = {
-        let _phase = timers.enter(Phase::Mesh);
-        comm.agree(MeshFamily::new(case))?
-    };
-    fault::strike(comm, "mesh")?;
-    let facts = family.facts();
-    let mut choice = LinearChoice::new(case, &facts);
-    let fewest = COARSEST_CELLS * comm.size() as u64;
-    if choice.preset == MULTIGRID && !family.coarsen(fewest) {
-        choice = choice.without_levels();
-    }
-    resources::check(comm, case, &facts, &choice, directory)?;
-    let (cells, before) = {
-        let _phase = timers.enter(Phase::Partition);
-        partition::distribute(comm, &family, Method::from_environment())?
-    };
-    let mut meshes = {
-        let _phase = timers.enter(Phase::Mesh);
-        family.share(cells, before)
-    };
-    fault::strike(comm, "distribute")?;
-    let phase = timers.enter(Phase::Assembly);
-    let finest = meshes.pop().ok_or_else(|| Error::Bug("no mesh".into()))?;
-    let problem = BoundaryValueProblem::new(comm, case, finest)?;
-    drop(phase);
-    let has_options = runtime.petsc.has_options();
-    let unknowns = problem.all.nodes.total * case.dim as u64;
-    let situation = Situation { unknowns, goes_on, has_options };
-    let solution = Solution::choose(runtime, timers, case, &problem, situation)?;
-    let _phase = timers.enter(Phase::Assembly);
-    let choice = solution.linear_choice(choice);
-    let model = solve::build(runtime, timers, case, choice, problem, meshes)?;
-    Ok((model, solution))
 }

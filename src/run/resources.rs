@@ -15,8 +15,8 @@ use crate::solve::{LinearChoice, MULTIGRID};
 /// Part of the memory that is available that a run may take.
 const USABLE: f64 = 0.95;
 
-/// Refuses a run that cannot fit into the memory of the nodes or onto the disk of `directory`.
-/// Collective.
+/// Refuses a run that cannot fit into the memory of the nodes or onto the disk of `directory`, if
+/// it writes into one. Collective.
 ///
 /// # Errors
 /// `Input` with what is needed, what is there and what would fit.
@@ -25,7 +25,7 @@ pub fn check(
     case: &Case,
     mesh: &MeshFacts,
     choice: &LinearChoice,
-    directory: &Path,
+    directory: Option<&Path>,
 ) -> Result<()> {
     let ranks = comm.size() as usize;
     let need = memory(choice.preset, case, mesh, ranks) / ranks as f64;
@@ -44,6 +44,7 @@ pub fn check(
         _ => Ok(()),
     };
     comm.agree(local)?;
+    let Some(directory) = directory else { return Ok(()) };
     let free = if comm.is_root() { free(directory) } else { None };
     let needed = disk(case, mesh);
     comm.agree(match free {

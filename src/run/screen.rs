@@ -161,8 +161,8 @@ pub fn describe(comm: &Comm, case: &Case, model: &Model<'_>, reduction: &Reducti
     tracing::info!("");
 }
 
-/// The closing tables.
-pub fn close(report: &Report, directory: &Path) {
+/// The closing tables, and where the results are if they were written.
+pub fn close(report: &Report, directory: Option<&Path>) {
     tracing::info!("");
     if !report.expectations.is_empty() {
         tracing::info!("{}", tables::expectations(&report.expectations));
@@ -182,10 +182,13 @@ pub fn close(report: &Report, directory: &Path) {
         ),
         _ => {}
     }
-    tracing::info!("results in {}", directory.display());
+    if let Some(directory) = directory {
+        tracing::info!("results in {}", directory.display());
+    }
 }
 
-/// A bar on a terminal that is not under a launcher; lines of instants everywhere.
+/// A bar on a terminal that is not under a launcher, if something is to be said at all; lines of
+/// instants everywhere.
 pub struct Progress(Option<ProgressBar>);
 
 impl Progress {
@@ -193,7 +196,8 @@ impl Progress {
     pub fn new(root: bool, instants: usize) -> Self {
         let launched = RANK_VARIABLES.iter().any(|name| std::env::var_os(name).is_some());
         let terminal = std::io::stderr().is_terminal() && std::io::stdout().is_terminal();
-        let bar = (root && terminal && !launched).then(|| {
+        let speaks = LevelFilter::current() >= LevelFilter::INFO;
+        let bar = (root && terminal && !launched && speaks).then(|| {
             let style = ProgressStyle::with_template("{bar:30} {pos}/{len} instants, {elapsed}");
             ProgressBar::new(instants as u64)
                 .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))

@@ -1,5 +1,7 @@
 //! A run from instant to instant: solves, writes, and tells how it ended.
 
+use std::path::Path;
+
 use super::checkpoint::{Keeper, Progress, RunState};
 use super::fields::FieldWriter;
 use super::solution::Solution;
@@ -9,7 +11,7 @@ use crate::case::{Case, Fields};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::fault;
-use crate::output::directory::OutputDirectory;
+use crate::output::directory::{HISTORY, OutputDirectory, REPORT};
 use crate::output::finite::check_row;
 use crate::output::history::{History, Table};
 use crate::output::publisher::Publisher;
@@ -25,7 +27,8 @@ pub struct Session<'a> {
     comm: &'a Comm,
     timers: &'a Timers,
     case: &'a Case,
-    directory: OutputDirectory,
+    /// None where the results stay in memory.
+    directory: Option<OutputDirectory>,
     /// Columns and earlier rows, until the history is made.
     table: Table,
     /// On rank 0.
@@ -43,13 +46,21 @@ pub struct Session<'a> {
     solution: Solution,
 }
 
+/// How a run has ended that came to its end.
+pub struct Ended {
+    /// Whether every expectation is met.
+    pub met: bool,
+    /// On rank 0.
+    pub told: Option<(Report, Table)>,
+}
+
 impl<'a> Session<'a> {
     /// Starts, or goes on from the state of an earlier run.
     pub fn new(
         comm: &'a Comm,
         timers: &'a Timers,
         case: &'a Case,
-        directory: OutputDirectory,
+        directory: Option<OutputDirectory>,
         state: Option<RunState>,
         solution: Solution,
     ) -> Self {
@@ -59,7 +70,8 @@ impl<'a> Session<'a> {
             Some(s) => (s.history, s.counts, s.residual_norms, s.accepted, s.fields),
             None => (fresh, [0; 2], Vec::new(), 0, Vec::new()),
         };
-        let fields = FieldWriter::new(case, &directory, fields);
+        let folder = directory.as_ref().map(OutputDirectory::fields).unwrap_or_default();
+        let fields = FieldWriter::new(case, &folder, fields);
         let publisher = Publisher::default();
         let history = None;
         Self {
@@ -83,7 +95,10 @@ impl<'a> Session<'a> {
     pub fn solve(&mut self, model: &mut Model<'_>) -> Result<()> {
         let created = if self.comm.is_root() {
             let table = std::mem::take(&mut self.table);
-            History::resume(self.directory.history(), table).map(Some)
+            match &self.directory {
+                Some(directory) => History::resume(directory.history(), table).map(Some),
+                None => Ok(Some(History::in_memory(table))),
+            }
         } else {
             Ok(None)
         };
@@ -167,12 +182,14 @@ impl<'a> Session<'a> {
 
     /// Refuses a row that is not finite on some rank. Collective.
     fn check_row(&self, time: f64, row: &[Option<f64>]) -> Result<()> {
-        let (file, when) = (self.directory.history(), format!("at time {time}"));
+        let file = self.directory.as_ref().map_or(HISTORY.into(), OutputDirectory::history);
+        let when = format!("at time {time}");
         self.comm.agree(check_row(&file, &when, &self.case.columns(), row))
     }
 
     /// Collective.
     fn write_checkpoint(&mut self, model: &mut Model<'_>) -> Result<()> {
+        let Some(directory) = &self.directory else { return Ok(()) };
         self.solution.adopt(model, self.accepted)?;
         let progress = Progress {
             accepted: self.accepted,
@@ -181,16 +198,17 @@ impl<'a> Session<'a> {
             history: self.history.as_ref().map(History::table),
             fields: &self.fields.written,
         };
-        let (directory, publisher) = (self.directory.path(), &mut self.publisher);
+        let (directory, publisher) = (directory.path(), &mut self.publisher);
         self.keeper.write(self.comm, publisher, directory, self.case, model, &progress)
     }
 
     fn writes_fields(&self, time: f64) -> bool {
-        match &self.case.output.fields {
-            Fields::All => true,
-            Fields::None => false,
-            Fields::Times(times) => times.contains(&time),
-        }
+        self.directory.is_some()
+            && match &self.case.output.fields {
+                Fields::All => true,
+                Fields::None => false,
+                Fields::Times(times) => times.contains(&time),
+            }
     }
 
     /// Compares with the expectations and writes the report, and the page if it is wanted, also
@@ -201,7 +219,7 @@ impl<'a> Session<'a> {
         model: &Model<'_>,
         solved: Result<()>,
         wants_page: bool,
-    ) -> Result<bool> {
+    ) -> Result<Ended> {
         let outcomes = if solved.is_ok() { self.outcomes() } else { Ok(Vec::new()) };
         let outcomes = self.comm.agree(outcomes)?;
         let met = !self.comm.any(outcomes.iter().any(|o| !o.met));
@@ -215,13 +233,13 @@ impl<'a> Session<'a> {
         let report = self.report(runtime, model, ending, measured)?;
         let written = self.write(report.as_ref(), wants_page.then_some(&warnings[..]));
         if let (Some(report), Ok(())) = (&report, &written) {
-            screen::close(report, self.directory.path());
-            screen::complain_of_missed(report, self.directory.path());
+            screen::close(report, self.directory.as_ref().map(OutputDirectory::path));
         }
         if let (Err(_), Err(error)) = (&solved, &written) {
             tracing::warn!("warning: {error}");
         }
-        solved.map_err(|error| self.with_place(error)).and(written).map(|()| met)
+        solved.map_err(|error| self.with_place(error)).and(written)?;
+        Ok(Ended { met, told: report.zip(self.history.map(History::into_table)) })
     }
 
     /// The report, on rank 0. Collective.
@@ -266,7 +284,11 @@ impl<'a> Session<'a> {
     /// Writes the report and, with the `warnings` that it is to hold, the page. Collective; rank 0
     /// has a report.
     fn write(&self, report: Option<&Report>, warnings: Option<&[String]>) -> Result<()> {
-        let written = report.map_or(Ok(()), |r| r.write(&self.directory.report()));
+        let written = match (report, &self.directory) {
+            (Some(report), Some(directory)) => report.write(&directory.report()),
+            (Some(report), None) => report.check(Path::new(REPORT)),
+            (None, _) => Ok(()),
+        };
         self.comm.agree(written)?;
         warnings.map_or(Ok(()), |warnings| self.write_page(report, warnings))
     }
@@ -274,9 +296,9 @@ impl<'a> Session<'a> {
     /// Collective; rank 0 has a report.
     fn write_page(&self, report: Option<&Report>, warnings: &[String]) -> Result<()> {
         fault::strike(self.comm, "page")?;
-        let written = match (report, &self.history) {
-            (Some(report), Some(history)) => {
-                let path = self.directory.page();
+        let written = match (report, &self.history, &self.directory) {
+            (Some(report), Some(history), Some(directory)) => {
+                let path = directory.page();
                 page::write(&path, report, history.table(), self.case, warnings)
             }
             _ => Ok(()),
@@ -286,8 +308,9 @@ impl<'a> Session<'a> {
 
     /// Adds to a failure of the numerics what of the results is valid.
     fn with_place(&self, error: Error) -> Error {
+        let Some(directory) = &self.directory else { return error };
         let time = &self.case.time[..self.accepted];
-        let place = self.directory.path().display();
+        let place = directory.path().display();
         let valid = match time.last() {
             None => "no instant was reached".to_owned(),
             Some(last) => format!("the results up to time {last} are valid, in {place}"),

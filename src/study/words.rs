@@ -42,7 +42,7 @@ pub(super) fn size(number: u64) -> usize {
 pub(super) fn placed(path: &Path, origin: Origin, text: &str) -> String {
     match origin {
         Origin::File(line, column) => format!("{}:{line}:{column}: {text}", path.display()),
-        Origin::Override(_) => format!("{}: {text}", path.display()),
+        Origin::Override(_) | Origin::Code(_) => format!("{}: {text}", path.display()),
     }
 }
 

@@ -107,6 +107,11 @@ fn collect(directory: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
+/// What is written in Rust, and what lies beside it.
+fn code_and_tests() -> impl Iterator<Item = Source> {
+    ["src", "tests", "examples"].into_iter().flat_map(sources_in)
+}
+
 /// The words (identifiers) of a line.
 fn words(line: &str) -> impl Iterator<Item = &str> {
     line.split(|c: char| !c.is_alphanumeric() && c != '_').filter(|w| !w.is_empty())
@@ -285,8 +290,7 @@ fn lattices_end_at_the_local_mesh() {
 
 #[test]
 fn files_are_short() {
-    let sources = sources_in("src").into_iter().chain(sources_in("tests"));
-    let long = sources.filter_map(|s| {
+    let long = code_and_tests().filter_map(|s| {
         let lines = s.text.lines().count();
         let too_long = s.path.ends_with(".rs") && lines > LONGEST_FILE;
         too_long.then(|| format!("{}: {lines} lines", s.path))
@@ -297,8 +301,7 @@ fn files_are_short() {
 /// Comments, and prose outside tables, code and pictures. Pages that scripts write are theirs.
 #[test]
 fn comments_and_prose_are_no_wider_than_a_screen() {
-    let sources = sources_in("src").into_iter().chain(sources_in("tests"));
-    let rust = sources.filter(|s| s.path.ends_with(".rs"));
+    let rust = code_and_tests().filter(|s| s.path.ends_with(".rs"));
     let mut found: Vec<_> = rust.flat_map(|s| wide_lines(&s, is_comment)).collect();
     for page in PROSE {
         let text = fs::read_to_string(root().join(page)).expect(page);
@@ -309,9 +312,8 @@ fn comments_and_prose_are_no_wider_than_a_screen() {
 
 #[test]
 fn unsafe_stays_inside_the_fences() {
-    let sources = sources_in("src").into_iter().chain(sources_in("tests"));
-    let outside =
-        sources.filter(|s| !s.is_this_file() && !FENCES.iter().any(|f| s.path.starts_with(f)));
+    let outside = code_and_tests()
+        .filter(|s| !s.is_this_file() && !FENCES.iter().any(|f| s.path.starts_with(f)));
     let found = outside.flat_map(|s| lines_with(&s, &["unsafe"])).collect();
     assert_none(found, "unsafe outside the fences");
 }

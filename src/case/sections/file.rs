@@ -12,7 +12,7 @@ use crate::law::LawSpec;
 /// Case file of column-hpc. All units are SI; z points up.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct CaseFile {
+pub struct CaseFile {
     /// Title; default: the name of the file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub title: Option<String>,
@@ -72,7 +72,7 @@ pub(crate) struct CaseFile {
 /// The mesh.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct MeshSection {
+pub struct MeshSection {
     /// A column that stands on z = 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub column: Option<ColumnSection>,
@@ -99,7 +99,7 @@ fn one() -> u32 {
 /// A column.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct ColumnSection {
+pub struct ColumnSection {
     /// Lengths in m along x, y, z; two numbers: x and z, plane strain.
     #[schemars(length(min = 2, max = 3))]
     pub size: Vec<f64>,
@@ -116,7 +116,7 @@ pub(crate) struct ColumnSection {
 /// A body between interfaces.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct BodySection {
+pub struct BodySection {
     /// Cells along each axis.
     #[schemars(length(min = 2, max = 3), inner(range(min = 1)))]
     pub cells: Vec<u64>,
@@ -129,7 +129,7 @@ pub(crate) struct BodySection {
 /// A material.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct MaterialSection {
+pub struct MaterialSection {
     /// The heights in m between which it lies.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub z: Option<[f64; 2]>,
@@ -143,7 +143,7 @@ pub(crate) struct MaterialSection {
 /// Isotropic linear elasticity.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct ElasticSection {
+pub struct ElasticSection {
     /// Young's modulus in Pa.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub young_modulus: f64,
@@ -158,7 +158,7 @@ pub(crate) struct ElasticSection {
 /// An interface.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct InterfaceSection {
+pub struct InterfaceSection {
     /// Its name.
     pub name: String,
     /// Its height in m.
@@ -176,7 +176,7 @@ pub(crate) struct InterfaceSection {
 /// What is prescribed on a surface.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct BoundarySection {
+pub struct BoundarySection {
     /// Where.
     pub on: Surface,
     /// Displacement in m; a component left out is free.
@@ -196,7 +196,7 @@ pub(crate) struct BoundarySection {
 /// Components along x, y, z; there is no y in 2D.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Components {
+pub struct Components {
     /// Along x.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub x: Option<Quantity>,
@@ -209,6 +209,7 @@ pub(crate) struct Components {
 }
 
 impl Components {
+    /// Whether no component is given.
     pub fn is_empty(&self) -> bool {
         self.x.is_none() && self.y.is_none() && self.z.is_none()
     }
@@ -217,7 +218,7 @@ impl Components {
 /// The instants.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct TimeSection {
+pub struct TimeSection {
     /// Times in s, rising.
     #[schemars(length(min = 1, max = 10_000))]
     pub instants: Vec<f64>,
@@ -237,7 +238,7 @@ pub(crate) struct TimeSection {
 /// What the load factor follows from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub(crate) enum ControlSection {
+pub enum ControlSection {
     /// The mean normal jump of an interface is given.
     Opening(OpeningSection),
     /// The dissipated part of the energy of an interface grows step by step until it is broken; it
@@ -248,7 +249,7 @@ pub(crate) enum ControlSection {
 /// The mean normal jump of an interface is given.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct OpeningSection {
+pub struct OpeningSection {
     /// Name of the interface.
     pub of: String,
     /// Its mean normal jump in m, over time.
@@ -258,7 +259,7 @@ pub(crate) struct OpeningSection {
 /// The dissipated part of the energy of an interface grows step by step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct DissipationSection {
+pub struct DissipationSection {
     /// Name of the interface.
     pub of: String,
     /// How much of it a step may dissipate, of fracture energy times area.
@@ -269,7 +270,7 @@ pub(crate) struct DissipationSection {
 /// What is computed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub(crate) enum Physics {
+pub enum Physics {
     /// What the case needs
     #[default]
     Auto,
@@ -282,7 +283,7 @@ pub(crate) enum Physics {
 /// What is written.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct OutputSection {
+pub struct OutputSection {
     /// The output directory; default: results/ and the name of the case file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub directory: Option<String>,
@@ -297,7 +298,7 @@ pub(crate) struct OutputSection {
 /// The instants of the field files: a word, or a list of instants.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub(crate) enum FieldsSection {
+pub enum FieldsSection {
     /// A word.
     Word(FieldsWord),
     /// Instants.
@@ -313,7 +314,7 @@ impl Default for FieldsSection {
 /// Every instant or none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub(crate) enum FieldsWord {
+pub enum FieldsWord {
     /// Every instant
     All,
     /// Never
@@ -323,7 +324,7 @@ pub(crate) enum FieldsWord {
 /// A point whose displacement is recorded.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct ProbeSection {
+pub struct ProbeSection {
     /// Its name.
     pub name: String,
     /// Its place in m: x, y, z, or x, z in 2D.
@@ -334,7 +335,7 @@ pub(crate) struct ProbeSection {
 /// A value that the results must have.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct ExpectSection {
+pub struct ExpectSection {
     /// A column of history.csv; without `.min`, `.max` it stands for both.
     pub quantity: String,
     /// One of the instants.

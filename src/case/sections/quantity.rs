@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// A number, a table over time or a formula.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub(crate) enum Quantity {
+pub enum Quantity {
     /// The same everywhere and always.
     Number(f64),
     /// Over time.
@@ -18,7 +18,7 @@ pub(crate) enum Quantity {
 /// Linear between, constant beyond.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct TableSection {
+pub struct TableSection {
     /// Pairs of time and value, with rising times.
     #[schemars(length(min = 1, max = 100_000))]
     pub table: Vec<[f64; 2]>,
@@ -27,15 +27,15 @@ pub(crate) struct TableSection {
 /// A formula.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct FormulaSection {
+pub struct FormulaSection {
     /// In x, y, z, t with + - * / ^, parentheses, pi, sqrt exp ln sin cos abs min max.
     pub formula: String,
 }
 
 /// Fluid in an interface.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct FluidSection {
+pub struct FluidSection {
     /// Its imposed pressure in Pa.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Quantity>,
@@ -51,10 +51,10 @@ pub(crate) struct FluidSection {
 }
 
 /// The state at the start.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(extend("minProperties" = 1))]
-pub(crate) struct InitialSection {
+pub struct InitialSection {
     /// Pore pressure in Pa.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Quantity>,
@@ -71,7 +71,7 @@ pub(crate) struct InitialSection {
 /// An imperfection of an interface.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct ImperfectionSection {
+pub struct ImperfectionSection {
     /// Name of the interface.
     pub interface: String,
     /// What its strength and its fracture energy are multiplied by; the critical jump stays.
@@ -81,7 +81,7 @@ pub(crate) struct ImperfectionSection {
 /// A factor: a number, or a formula in space.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub(crate) enum FactorSection {
+pub enum FactorSection {
     /// The same on the whole interface.
     Number(f64),
     /// In x, y, z.
@@ -91,7 +91,7 @@ pub(crate) enum FactorSection {
 /// When checkpoints are written.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct CheckpointSection {
+pub struct CheckpointSection {
     /// A time, such as 10 min, or a number of instants, such as 5 instants.
     pub every: String,
 }
@@ -99,7 +99,7 @@ pub(crate) struct CheckpointSection {
 /// When the run stops.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct LimitsSection {
+pub struct LimitsSection {
     /// Wall-clock time, as HH:MM:SS or as a number with s, min or h: a checkpoint is written and
     /// the run stops before it is over.
     pub wall: String,

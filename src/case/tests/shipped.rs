@@ -2,7 +2,7 @@
 
 use super::*;
 
-fn shipped() -> Vec<std::path::PathBuf> {
+pub(super) fn shipped() -> Vec<std::path::PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases");
     let folders = std::fs::read_dir(root).expect("the cases");
     let mut files: Vec<_> = folders

@@ -77,11 +77,14 @@ pub fn formula(bytes: &[u8]) {
 }
 
 /// A refusal has words and is the user's fault; a case that is accepted is the same when it is read
-/// from its resolved form, its column can be laid out, and it can be described.
+/// from its resolved form or built of its sections, its column can be laid out, and it can be
+/// described.
 fn examine(read: Result<Case>) {
     let Some(case) = accepted(read) else { return };
     let again = Case::read(&case.resolved().to_string(), Path::new(NAME), &[]);
     assert!(again.as_ref() == Ok(&case), "resolved, it is {again:?}, was {case:?}");
+    let built = Case::build(case.sections().clone());
+    assert!(built.as_ref() == Ok(&case), "built, it is {built:?}, was {case:?}");
     let Some(column) = accepted(Column::new(&case)) else { return };
     let values = column.nodes() * (case.time.len() * (1 + case.boundary.len())) as u64;
     if values <= MOST_VALUES {

@@ -1,0 +1,134 @@
+//! A case from its start to its report, with or without an output directory.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use super::checkpoint::Restart;
+use super::session::{Ended, Session};
+use super::solution::Solution;
+use super::{resources, screen};
+use crate::case::Case;
+use crate::error::{Error, Result};
+use crate::mesh::MeshFamily;
+use crate::output::directory::OutputDirectory;
+use crate::output::lock::Lock;
+use crate::partition::{self, Method};
+use crate::reduce::Situation;
+use crate::runtime::Runtime;
+use crate::solve::{self, BoundaryValueProblem, LinearChoice, MULTIGRID, Model};
+use crate::timers::{Phase, Timers};
+use crate::{fault, signals};
+
+/// A mesh of fewer cells per rank is not worth a level, and too few for an even partition.
+const COARSEST_CELLS: u64 = 64;
+
+/// What the checkpoint and the end of a run may take of its wall-clock time (s).
+const RESERVE: f64 = 2.0;
+
+/// Where a run writes, and how.
+#[derive(Debug, Clone, Copy)]
+pub struct Output<'a> {
+    /// The output directory.
+    pub directory: &'a Path,
+    /// Whether results of another case are replaced.
+    pub overwrite: bool,
+    /// The checkpoint to go on from: a file, or `latest`.
+    pub restart: Option<&'a str>,
+    /// Whether a page with charts is written.
+    pub page: bool,
+}
+
+/// Runs a case, the same on all ranks; without `output` nothing is written. The wall-clock time of
+/// the case counts from `started`. Collective.
+///
+/// # Errors
+/// What is wrong with the input, the numerics or the machine; the same on all ranks.
+pub fn carry_out(
+    runtime: &Runtime,
+    timers: &Timers,
+    case: &Case,
+    started: Instant,
+    output: Option<Output<'_>>,
+) -> Result<Ended> {
+    let comm = &runtime.comm;
+    let most = |seconds: f64| Duration::from_secs_f64((seconds - RESERVE).max(0.0));
+    signals::stop_at(case.wall.map(|seconds| started + most(seconds)));
+    runtime.petsc.options_of_case(&case.solver.petsc_options)?;
+    let resolved = case.resolved().to_string();
+    let _lock = output.map(|output| Lock::take(comm, output.directory)).transpose()?;
+    let restart = match output {
+        Some(Output { directory, restart: Some(word), .. }) => {
+            Some(Restart::open(comm, word, directory, case)?)
+        }
+        Some(Output { directory, overwrite, .. }) => {
+            OutputDirectory::examine(comm, directory, &resolved, overwrite)?;
+            None
+        }
+        None => None,
+    };
+
+    let place = output.map(|output| output.directory);
+    let (mut model, solution) = build(runtime, timers, case, place, restart.is_some())?;
+    let state = restart.map(|restart| restart.resume(comm, case, &mut model)).transpose()?;
+    let directory = match (output, &state) {
+        (Some(Output { directory, .. }), Some(state)) => {
+            let last = state.fields.last().map_or(0, |instant| instant.step);
+            Some(OutputDirectory::resume(comm, directory, &resolved, last)?)
+        }
+        (Some(Output { directory, overwrite, .. }), None) => {
+            Some(OutputDirectory::open(comm, directory, &resolved, overwrite)?)
+        }
+        (None, _) => None,
+    };
+    screen::describe(comm, case, &model, solution.reduction());
+    let unresolved = solution.unresolved_zones(case, &model);
+    unresolved.iter().for_each(|words| tracing::warn!("warning: {words}"));
+    model.stepper.remarks.extend(unresolved);
+    let mut session = Session::new(comm, timers, case, directory, state, solution);
+    let solved = session.solve(&mut model);
+    session.close(runtime, &model, solved, output.is_some_and(|output| output.page))
+}
+
+/// The model that was asked for, and where its states come from. Collective.
+fn build<'a>(
+    runtime: &'a Runtime,
+    timers: &'a Timers,
+    case: &'a Case,
+    directory: Option<&Path>,
+    goes_on: bool,
+) -> Result<(Model<'a>, Solution)> {
+    let comm = &runtime.comm;
+    let mut family = {
+        let _phase = timers.enter(Phase::Mesh);
+        comm.agree(MeshFamily::new(case))?
+    };
+    fault::strike(comm, "mesh")?;
+    let facts = family.facts();
+    let mut choice = LinearChoice::new(case, &facts);
+    let fewest = COARSEST_CELLS * comm.size() as u64;
+    if choice.preset == MULTIGRID && !family.coarsen(fewest) {
+        choice = choice.without_levels();
+    }
+    resources::check(comm, case, &facts, &choice, directory)?;
+    let (cells, before) = {
+        let _phase = timers.enter(Phase::Partition);
+        partition::distribute(comm, &family, Method::from_environment())?
+    };
+    let mut meshes = {
+        let _phase = timers.enter(Phase::Mesh);
+        family.share(cells, before)
+    };
+    fault::strike(comm, "distribute")?;
+    let phase = timers.enter(Phase::Assembly);
+    let finest = meshes.pop().ok_or_else(|| Error::Bug("no mesh".into()))?;
+    let problem = BoundaryValueProblem::new(comm, case, finest)?;
+    drop(phase);
+    let has_options = runtime.petsc.has_options();
+    let unknowns = problem.all.nodes.total * case.dim as u64;
+    let situation = Situation { unknowns, goes_on, has_options };
+    let solution = Solution::choose(runtime, timers, case, &problem, situation)?;
+    let _phase = timers.enter(Phase::Assembly);
+    let choice = solution.linear_choice(choice);
+    let model = solve::build(runtime, timers, case, choice, problem, meshes)?;
+    Ok((model, solution))
+}
