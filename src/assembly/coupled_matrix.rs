@@ -5,7 +5,7 @@
 //! of a cell.
 
 use super::pattern::{count_blocks, merge_to_owners};
-use super::tangent::{Expansion, expand};
+use super::tangent::expand_cell;
 use super::{Discretization, NodeState, Pattern, PoreCell, PoreSpace};
 use crate::comm::Comm;
 use crate::error::Result;
@@ -129,7 +129,8 @@ impl CoupledMatrix {
     pub fn assemble(
         &self,
         comm: &Comm,
-        (all, pores): (&Discretization, &PoreSpace),
+        all: &Discretization,
+        pores: &PoreSpace,
         bulk: &Matrix,
         values: &CoupledValues<'_>,
         matrix: &mut Matrix,
@@ -187,10 +188,7 @@ impl CoupledMatrix {
             return Ok(());
         }
         all.coupled_nodes(cell.cell as usize, coupled);
-        let place = |(node, c)| expand(all, values.state, (node, c), coupled);
-        let nodes = all.cells.nodes(cell.cell as usize);
-        let expansions: Vec<Expansion> =
-            nodes.iter().flat_map(|n| (0..dim).map(move |c| (*n, c))).map(place).collect();
+        let expansions = expand_cell(all, values.state, cell.cell as usize, coupled);
         let width = coupled.len() * dim;
         let mut across = vec![0.0; width * np];
         let mut back = vec![0.0; width * np];

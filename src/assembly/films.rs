@@ -6,7 +6,7 @@
 //! film is exactly what fills it.
 
 use super::Discretization;
-use crate::bulk::FlowStep;
+use crate::bulk::{BalanceSums, FlowStep, PoroState};
 use crate::interface::{Film, FilmState, Fluid};
 
 /// The film at an owned secondary node.
@@ -41,6 +41,15 @@ pub struct Films {
     pub nodes: Vec<FilmNode>,
     /// Where they flow.
     pub facets: Vec<FilmFacet>,
+}
+
+/// A matrix over local pressure nodes that one cell or facet has.
+#[derive(Debug, Clone)]
+pub struct PressureBlock {
+    /// The nodes.
+    pub nodes: Vec<u32>,
+    /// Row by row (m3/Pa).
+    pub values: Vec<f64>,
 }
 
 /// How the balance of the films depends on openings and pressures, at one state and step.
@@ -88,10 +97,7 @@ impl Films {
             let rows = &all.secondary[node.secondary as usize];
             let Some(row) = &rows.rows[dim - 1] else { continue };
             let push = row.weight * (Self::at(node, p) - reference);
-            force[rows.node as usize * dim + dim - 1] += row.own * push;
-            for (other, a) in &row.others {
-                force[*other as usize * dim + dim - 1] += a * push;
-            }
+            row.spread(rows.node, push, |node, f| force[node as usize * dim + dim - 1] += f);
         }
     }
 
@@ -108,13 +114,10 @@ impl Films {
 
     /// Adds what the films hold at every local pressure node, and the magnitudes to `sizes` (m3).
     /// Local.
-    pub fn add_stored(
-        &self,
-        all: &Discretization,
-        (u, p): (&[f64], &[f64]),
-        (rows, sizes): (&mut [f64], &mut [f64]),
-    ) {
+    pub fn add_stored(&self, all: &Discretization, state: PoroState<'_>, sums: BalanceSums<'_>) {
         let Some(fluid) = &self.fluid else { return };
+        let PoroState { displacement: u, pressure: p } = state;
+        let BalanceSums { rows, sizes } = sums;
         for node in &self.nodes {
             let opened = Self::weight(all, node.secondary) * Self::opening(all, node.secondary, u);
             let held = opened * fluid.density_ratio(Self::at(node, p) - fluid.reference);
@@ -129,11 +132,12 @@ impl Films {
     fn each_facet(
         &self,
         all: &Discretization,
-        (u, p): (&[f64], &[f64]),
+        state: PoroState<'_>,
         gravity: &[f64; 3],
         mut act: impl FnMut(&FilmFacet, &Film, &Fluid, FilmState<'_>),
     ) {
         let Some(fluid) = &self.fluid else { return };
+        let PoroState { displacement: u, pressure: p } = state;
         let along = std::array::from_fn(|c| if c + 1 < all.dim { gravity[c] } else { 0.0 });
         let (mut opening, mut pressure) = (Vec::new(), Vec::new());
         for facet in &self.facets {
@@ -152,10 +156,12 @@ impl Films {
     pub fn add_flow(
         &self,
         all: &Discretization,
-        state: (&[f64], &[f64]),
-        (gravity, length): (&[f64; 3], f64),
-        (rows, sizes): (&mut [f64], &mut [f64]),
+        state: PoroState<'_>,
+        gravity: &[f64; 3],
+        length: f64,
+        sums: BalanceSums<'_>,
     ) {
+        let BalanceSums { rows, sizes } = sums;
         let (mut own, mut size) = (Vec::new(), Vec::new());
         self.each_facet(all, state, gravity, |facet, film, fluid, state| {
             for of in [&mut own, &mut size] {
@@ -175,10 +181,11 @@ impl Films {
     pub fn linearise(
         &self,
         all: &Discretization,
-        (u, p): (&[f64], &[f64]),
+        state: PoroState<'_>,
         step: &FlowStep,
     ) -> FilmTangent {
         let Some(fluid) = &self.fluid else { return FilmTangent::default() };
+        let PoroState { displacement: u, pressure: p } = state;
         let stored = |node: &FilmNode| {
             let opened = Self::weight(all, node.secondary) * Self::opening(all, node.secondary, u);
             let ratio = fluid.density_ratio(Self::at(node, p) - fluid.reference);
@@ -187,7 +194,7 @@ impl Films {
         let mut tangent =
             FilmTangent { facets: Vec::new(), nodes: self.nodes.iter().map(stored).collect() };
         let length = step.theta * step.length;
-        self.each_facet(all, (u, p), &step.gravity, |_, film, fluid, state| {
+        self.each_facet(all, state, &step.gravity, |_, film, fluid, state| {
             tangent.facets.push(film.derivatives(fluid, state, length));
         });
         tangent
@@ -195,15 +202,16 @@ impl Films {
 }
 
 impl FilmTangent {
-    /// Adds the products with changes of displacements and pressures, both of all local nodes, at
-    /// all local pressure nodes (m3). Local.
+    /// Adds the products with changes of displacements and pressures, `change` of all local nodes,
+    /// at all local pressure nodes (m3). Local.
     pub fn add_product(
         &self,
         films: &Films,
         all: &Discretization,
-        (u, p): (&[f64], &[f64]),
+        change: PoroState<'_>,
         rows: &mut [f64],
     ) {
+        let PoroState { displacement: u, pressure: p } = change;
         for (facet, [by_pressure, by_opening]) in films.facets.iter().zip(&self.facets) {
             let (corners, nodes) = (facet.corners.len(), facet.nodes.len());
             for (a, corner) in facet.corners.iter().enumerate() {
@@ -221,22 +229,21 @@ impl FilmTangent {
         }
     }
 
-    /// The part by the pressures as blocks over local pressure nodes (m3/Pa); `yielding` adds to
-    /// what is stored at an entry of `Discretization::secondary`. Local.
-    pub fn blocks(
-        &self,
-        films: &Films,
-        yielding: impl Fn(u32) -> f64,
-    ) -> Vec<(Vec<u32>, Vec<f64>)> {
+    /// The part by the pressures; `yielding` adds to what is stored at an entry of
+    /// `Discretization::secondary`. Local.
+    pub fn blocks(&self, films: &Films, yielding: impl Fn(u32) -> f64) -> Vec<PressureBlock> {
         let facets = films.facets.iter().zip(&self.facets);
-        let mut blocks: Vec<(Vec<u32>, Vec<f64>)> = facets
-            .map(|(facet, [by_pressure, _])| (facet.corners.clone(), by_pressure.clone()))
-            .collect();
+        let of_facet = |(facet, [by_pressure, _]): (&FilmFacet, &[Vec<f64>; 2])| PressureBlock {
+            nodes: facet.corners.clone(),
+            values: by_pressure.clone(),
+        };
+        let mut blocks: Vec<PressureBlock> = facets.map(of_facet).collect();
         for (node, stored) in films.nodes.iter().zip(&self.nodes) {
             let entry = stored + yielding(node.secondary);
             let parts = || node.corners.iter().map(|(_, part)| *part);
             let values = parts().flat_map(|a| parts().map(move |b| a * entry * b)).collect();
-            blocks.push((node.corners.iter().map(|(corner, _)| *corner).collect(), values));
+            let nodes = node.corners.iter().map(|(corner, _)| *corner).collect();
+            blocks.push(PressureBlock { nodes, values });
         }
         blocks
     }

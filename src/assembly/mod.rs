@@ -85,8 +85,7 @@ impl Discretization {
     pub fn jump(&self, index: usize, component: usize, u: &[f64]) -> f64 {
         let rows = &self.secondary[index];
         let Some(row) = &rows.rows[component] else { return 0.0 };
-        let at = |node: u32| u[node as usize * self.dim + component];
-        row.own * at(rows.node) + row.others.iter().map(|(n, a)| a * at(*n)).sum::<f64>()
+        row.trace(rows.node, |node| u[node as usize * self.dim + component])
     }
 
     /// Calls `act` with node and component of every owned prescribed component. Local.
@@ -131,10 +130,7 @@ impl Discretization {
             for (c, row) in rows.rows[..self.dim].iter().enumerate() {
                 let Some(row) = row else { continue };
                 let traction = row.weight * traction(index, c);
-                force[rows.node as usize * self.dim + c] += row.own * traction;
-                for (node, a) in &row.others {
-                    force[*node as usize * self.dim + c] += a * traction;
-                }
+                row.spread(rows.node, traction, |node, f| force[node as usize * self.dim + c] += f);
             }
         }
         self.nodes.add_to_owners(force, self.dim);

@@ -97,8 +97,7 @@ impl TangentOperator {
             for (c, row) in rows.rows[..dim].iter().enumerate() {
                 let follows = state.stuck[c] || state.jump[c];
                 let Some(row) = row.as_ref().filter(|_| follows) else { continue };
-                let followed: f64 =
-                    row.others.iter().map(|(n, a)| a * u[*n as usize * dim + c]).sum();
+                let followed = row.trace_of_others(|node| u[node as usize * dim + c]);
                 let own = &mut u[rows.node as usize * dim + c];
                 *own = if state.stuck[c] { 0.0 } else { *own } - followed / row.own;
             }
@@ -112,8 +111,7 @@ impl TangentOperator {
         for rows in &self.all.secondary {
             for (c, row) in rows.rows[..dim].iter().enumerate() {
                 let Some(row) = row else { continue };
-                let followed: f64 =
-                    row.others.iter().map(|(n, a)| a * u[*n as usize * dim + c]).sum();
+                let followed = row.trace_of_others(|node| u[node as usize * dim + c]);
                 u[rows.node as usize * dim + c] += followed / row.own;
             }
         }
@@ -143,9 +141,7 @@ impl TangentOperator {
                         if jump { -before } else { on_jump }
                     }
                 } / row.own;
-                for (node, a) in &row.others {
-                    *force.at(*node as usize * dim + c) += a * carried;
-                }
+                row.spread_to_others(carried, |node, f| *force.at(node as usize * dim + c) += f);
             }
         }
         let Apart { owned, ghosts } = force;
@@ -243,19 +239,17 @@ impl TangentOperator {
             let mut jump = [0.0; 3];
             for c in 0..dim {
                 if let Some(row) = free(c) {
-                    let at = |n: u32| u[n as usize * dim + c];
-                    let sum: f64 = row.others.iter().map(|(n, a)| a * at(*n)).sum();
-                    jump[c] = row.weight.sqrt() * (row.own * at(rows.node) + sum);
+                    let of_row = row.trace(rows.node, |node| u[node as usize * dim + c]);
+                    jump[c] = row.weight.sqrt() * of_row;
                 }
             }
             for c in 0..dim {
                 if let Some(row) = free(c) {
                     let traction: f64 = (0..dim).map(|d| state.tangent[c][d] * jump[d]).sum();
-                    let traction = row.weight.sqrt() * traction;
-                    *force.at(rows.node as usize * dim + c) += row.own * traction;
-                    for (node, a) in &row.others {
-                        *force.at(*node as usize * dim + c) += a * traction;
-                    }
+                    let on_row = row.weight.sqrt() * traction;
+                    row.spread(rows.node, on_row, |node, f| {
+                        *force.at(node as usize * dim + c) += f;
+                    });
                 }
             }
         }

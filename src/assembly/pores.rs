@@ -7,7 +7,7 @@ mod matrix;
 
 use super::Discretization;
 use super::films::Films;
-use crate::bulk::{FlowStep, MAX_CORNERS, PorousCell};
+use crate::bulk::{BalanceSums, FlowStep, MAX_CORNERS, PoroState, PorousCell};
 use crate::comm::Comm;
 use crate::element::Shape;
 use crate::simd::{Kernel, widest};
@@ -188,16 +188,18 @@ impl PoreSpace {
     pub fn add_balance(
         &self,
         all: &Discretization,
-        (u, p, before): (&[f64], &[f64], &[f64]),
+        end: PoroState<'_>,
+        before: &[f64],
         step: &FlowStep,
         every: bool,
-        (rows, sizes): (&mut [f64], &mut [f64]),
+        sums: BalanceSums<'_>,
     ) {
-        self.each(all, u, every, (rows, sizes), |cell, like, u, rows, sizes| {
+        self.each(all, end.displacement, every, sums, |cell, like, u, sums| {
             let reference = like.medium.reference;
-            let (p, before) =
-                (self.pressures(cell, p, reference), self.pressures(cell, before, reference));
-            like.add_balance((u, &p, &before), step, rows, sizes);
+            let of_cell = |p| self.pressures(cell, p, reference);
+            let (p, before) = (of_cell(end.pressure), of_cell(before));
+            let end = PoroState { displacement: u, pressure: &p };
+            like.add_balance(end, &before, step, sums);
         });
     }
 
@@ -206,23 +208,25 @@ impl PoreSpace {
     pub fn add_stored(
         &self,
         all: &Discretization,
-        (u, p): (&[f64], &[f64]),
+        state: PoroState<'_>,
         lumped: bool,
         rows: &mut [f64],
     ) {
         let mut sizes = vec![0.0; rows.len()];
-        self.each(all, u, true, (rows, &mut sizes), |cell, like, u, rows, sizes| {
-            let p = self.pressures(cell, p, like.medium.reference);
-            like.add_stored(u, &p, lumped, rows, sizes);
+        let sums = BalanceSums { rows, sizes: &mut sizes };
+        self.each(all, state.displacement, true, sums, |cell, like, u, sums| {
+            let p = self.pressures(cell, state.pressure, like.medium.reference);
+            like.add_stored(PoroState { displacement: u, pressure: &p }, lumped, sums);
         });
     }
 
     /// Adds what flows off every local node per second (m3/s). Local.
     pub fn add_flow(&self, all: &Discretization, p: &[f64], gravity: &[f64; 3], rows: &mut [f64]) {
         let mut sizes = vec![0.0; rows.len()];
-        self.each(all, &[], true, (rows, &mut sizes), |cell, like, _, rows, sizes| {
+        let sums = BalanceSums { rows, sizes: &mut sizes };
+        self.each(all, &[], true, sums, |cell, like, _, sums| {
             let p = self.pressures(cell, p, like.medium.reference);
-            like.add_flow(&p, gravity, 1.0, rows, sizes);
+            like.add_flow(&p, gravity, 1.0, sums);
         });
     }
 
@@ -231,10 +235,10 @@ impl PoreSpace {
         all: &Discretization,
         u: &[f64],
         every: bool,
-        (rows, sizes): (&mut [f64], &mut [f64]),
-        act: impl Fn(&PoreCell, &PorousCell, &[f64], &mut [f64], &mut [f64]),
+        sums: BalanceSums<'_>,
+        act: impl Fn(&PoreCell, &PorousCell, &[f64], BalanceSums<'_>),
     ) {
-        let np = self.corners();
+        let (np, BalanceSums { rows, sizes }) = (self.corners(), sums);
         let mut of_cell = Vec::new();
         for cell in self.cells.iter().filter(|cell| every || self.is_free(cell)) {
             if !u.is_empty() {
@@ -242,7 +246,8 @@ impl PoreSpace {
             }
             let (mut own, mut size) = ([0.0; MAX_CORNERS], [0.0; MAX_CORNERS]);
             let like = &self.prototypes[cell.prototype as usize];
-            act(cell, like, &of_cell, &mut own[..np], &mut size[..np]);
+            let sums = BalanceSums { rows: &mut own[..np], sizes: &mut size[..np] };
+            act(cell, like, &of_cell, sums);
             for (node, (own, size)) in cell.nodes[..np].iter().zip(own.iter().zip(&size)) {
                 rows[*node as usize] += own;
                 sizes[*node as usize] += size;
@@ -251,19 +256,19 @@ impl PoreSpace {
     }
 
     /// Flux (kg/m2/s by component), pressure above the reference (Pa) and porosity at the centre of
-    /// a cell; `u` and `p` are those of all local nodes. Local.
+    /// a cell; `state` is that of all local nodes. Local.
     pub fn at_centre(
         &self,
         all: &Discretization,
         cell: &PoreCell,
-        (u, p): (&[f64], &[f64]),
+        state: PoroState<'_>,
         gravity: &[f64; 3],
     ) -> ([f64; 3], f64, f64) {
         let mut of_cell = Vec::new();
-        self.gather(all, cell, u, &mut of_cell);
+        self.gather(all, cell, state.displacement, &mut of_cell);
         let like = &self.prototypes[cell.prototype as usize];
-        let p = self.pressures(cell, p, like.medium.reference);
-        like.at_centre(&of_cell, &p, gravity)
+        let p = self.pressures(cell, state.pressure, like.medium.reference);
+        like.at_centre(PoroState { displacement: &of_cell, pressure: &p }, gravity)
     }
 
     /// Pressures of all local nodes at every owned displacement node of porous cells (Pa), linear

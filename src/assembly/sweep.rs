@@ -149,17 +149,7 @@ impl<'a, F: Fn(u32) -> &'a Modal, const DIM: usize, const L: usize, const SIZES:
         for batch in &sweep.batches {
             let slots = batch.slots as usize;
             let nodes = &sweep.nodes[batch.first as usize..][..slots * L];
-            for (line, nodes) in (0..L).zip(nodes.chunks_exact(slots)) {
-                let [x, y, z] = s.line.each_mut().map(|of_component| &mut of_component[line]);
-                for (((node, x), y), z) in nodes.iter().zip(x).zip(y).zip(z) {
-                    let values = &u[*node as usize];
-                    *x = values[0];
-                    *y = values[1];
-                    if DIM == 3 {
-                        *z = values[2];
-                    }
-                }
-            }
+            gather::<DIM, L>(u, nodes, &mut s);
             to_modes::<DIM, L>(&mut s);
             apply::<DIM>(stiffness(batch.prototype), &mut s);
             let gaps = &sweep.gaps[batch.gaps[0] as usize..batch.gaps[1] as usize];
@@ -171,32 +161,62 @@ impl<'a, F: Fn(u32) -> &'a Modal, const DIM: usize, const L: usize, const SIZES:
             to_lines_of_cells::<DIM, L>(&mut s);
             if SIZES {
                 lengths::<DIM, L>(&mut s);
-                for (line, nodes) in (0..L).zip(nodes.chunks_exact(slots)) {
-                    let mut left = 0.0;
-                    let ends = s.mode[0][2 * line].iter().zip(&s.mode[0][2 * line + 1]);
-                    for (node, (lower, upper)) in nodes.iter().zip(ends) {
-                        magnitude[*node as usize] += lower + left;
-                        left = *upper;
-                    }
-                }
+                add_lengths::<L>(&s, nodes, magnitude);
             }
             to_nodes::<DIM, L>(&mut s);
-            for (line, nodes) in (0..L).zip(nodes.chunks_exact(slots)) {
-                let [x, y, z] = s.line.each_ref().map(|of_component| &of_component[line]);
-                for (((node, x), y), z) in nodes.iter().zip(x).zip(y).zip(z) {
-                    let node = *node as usize;
-                    let target = if node < first.len() {
-                        &mut first[node]
-                    } else {
-                        &mut others[node - first.len()]
-                    };
-                    target[0] += x;
-                    target[1] += y;
-                    if DIM == 3 {
-                        target[2] += z;
-                    }
-                }
+            scatter::<DIM, L>(&s, nodes, first, others);
+        }
+    }
+}
+
+/// Takes the displacements of the nodes of a batch, line by line.
+#[inline(always)]
+fn gather<const DIM: usize, const L: usize>(u: &[[f64; DIM]], nodes: &[u32], s: &mut Scratch) {
+    for (line, nodes) in (0..L).zip(nodes.chunks_exact(nodes.len() / L)) {
+        let [x, y, z] = s.line.each_mut().map(|of_component| &mut of_component[line]);
+        for (((node, x), y), z) in nodes.iter().zip(x).zip(y).zip(z) {
+            let values = &u[*node as usize];
+            *x = values[0];
+            *y = values[1];
+            if DIM == 3 {
+                *z = values[2];
             }
+        }
+    }
+}
+
+/// Adds the forces to the nodes of a batch, those of the `first` nodes and of the others.
+#[inline(always)]
+fn scatter<const DIM: usize, const L: usize>(
+    s: &Scratch,
+    nodes: &[u32],
+    first: &mut [[f64; DIM]],
+    others: &mut [[f64; DIM]],
+) {
+    for (line, nodes) in (0..L).zip(nodes.chunks_exact(nodes.len() / L)) {
+        let [x, y, z] = s.line.each_ref().map(|of_component| &of_component[line]);
+        for (((node, x), y), z) in nodes.iter().zip(x).zip(y).zip(z) {
+            let node = *node as usize;
+            let target =
+                if node < first.len() { &mut first[node] } else { &mut others[node - first.len()] };
+            target[0] += x;
+            target[1] += y;
+            if DIM == 3 {
+                target[2] += z;
+            }
+        }
+    }
+}
+
+/// Adds the lengths of the forces of the two cells at each node of a batch, which [`lengths`] left.
+#[inline(always)]
+fn add_lengths<const L: usize>(s: &Scratch, nodes: &[u32], magnitude: &mut [f64]) {
+    for (line, nodes) in (0..L).zip(nodes.chunks_exact(nodes.len() / L)) {
+        let mut left = 0.0;
+        let ends = s.mode[0][2 * line].iter().zip(&s.mode[0][2 * line + 1]);
+        for (node, (lower, upper)) in nodes.iter().zip(ends) {
+            magnitude[*node as usize] += lower + left;
+            left = *upper;
         }
     }
 }

@@ -21,7 +21,7 @@ pub struct Tangent {
 }
 
 /// How one component of one node appears in the unknowns.
-pub(super) type Expansion = Vec<(usize, f64)>;
+type Expansion = Vec<(usize, f64)>;
 
 impl Tangent {
     /// `diagonal` must be the same on all ranks.
@@ -123,14 +123,8 @@ impl Tangent {
         if plain {
             return matrix.add_blocked(&work.rows, &work.columns, stiffness);
         }
-        work.expansions.clear();
-        for node in nodes {
-            for component in 0..dim {
-                let place = (*node, component);
-                work.expansions.push(expand(all, state, place, &work.coupled));
-            }
-        }
-        transform(stiffness, &work.expansions, work.coupled.len(), dim, &mut work.values);
+        let expansions = expand_cell(all, state, cell, &work.coupled);
+        transform(stiffness, &expansions, work.coupled.len(), dim, &mut work.values);
         matrix.add_blocked(&work.rows, &work.columns, &work.values)
     }
 
@@ -178,16 +172,27 @@ struct Work {
     coupled: Vec<u32>,
     rows: Vec<i32>,
     columns: Vec<i32>,
-    expansions: Vec<Expansion>,
     values: Vec<f64>,
+}
+
+/// The components of the nodes of a cell, one after the other, over the unknowns of `coupled`.
+pub(super) fn expand_cell(
+    all: &Discretization,
+    state: &[NodeState],
+    cell: usize,
+    coupled: &[u32],
+) -> Vec<Expansion> {
+    let expand_node = |node: u32| (0..all.dim).map(move |c| expand(all, state, node, c, coupled));
+    all.cells.nodes(cell).iter().flat_map(|node| expand_node(*node)).collect()
 }
 
 /// A component of a node over the unknowns of `coupled`: empty where prescribed, the jump row where
 /// stuck, else itself, with the jump row where the jump is the unknown.
-pub(super) fn expand(
+fn expand(
     all: &Discretization,
     state: &[NodeState],
-    (node, component): (u32, usize),
+    node: u32,
+    component: usize,
     coupled: &[u32],
 ) -> Expansion {
     let place = |n: u32| coupled.iter().position(|c| *c == n).expect("a coupled node");
@@ -247,11 +252,7 @@ pub(super) fn transform_diagonal(all: &Discretization, state: &[NodeState], diag
         let nodes = all.cells.nodes(*cell as usize);
         let stiffness = &all.cells.stiffness(*cell as usize).matrix;
         all.coupled_nodes(*cell as usize, &mut coupled);
-        let expansions: Vec<Expansion> = nodes
-            .iter()
-            .flat_map(|n| (0..dim).map(|c| (*n, c)))
-            .map(|place| expand(all, state, place, &coupled))
-            .collect();
+        let expansions = expand_cell(all, state, *cell as usize, &coupled);
         let n = expansions.len();
         // What each unknown moves: components of the cell's nodes, with their coefficients.
         let mut moved: Vec<Vec<(usize, f64)>> = vec![Vec::new(); coupled.len() * dim];
@@ -274,9 +275,9 @@ pub(super) fn transform_diagonal(all: &Discretization, state: &[NodeState], diag
         for c in (0..dim).filter(|c| !state.stuck[*c]) {
             let Some(row) = &rows.rows[c] else { continue };
             let stiffness = row.weight * state.tangent[c][c];
-            diagonal[rows.node as usize * dim + c] += row.own * row.own * stiffness;
-            for (node, a) in row.others.iter().filter(|_| !state.jump[c]) {
-                diagonal[*node as usize * dim + c] += a * a * stiffness;
+            let moves = |node: u32| node == rows.node || !state.jump[c];
+            for (node, a) in row.coefficients(rows.node).filter(|(node, _)| moves(*node)) {
+                diagonal[node as usize * dim + c] += a * a * stiffness;
             }
         }
     }

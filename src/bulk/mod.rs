@@ -4,6 +4,7 @@ mod elastic;
 mod loads;
 mod modal;
 mod parity;
+mod poro_state;
 mod porous;
 mod porous_cell;
 
@@ -11,5 +12,6 @@ pub use elastic::{Elastic, SplitForm, Stiffness};
 pub use loads::Loads;
 pub use modal::{MODES, Modal, couples, partner};
 pub use parity::{Block, MOST_ROWS, Parity, lattice_places};
+pub use poro_state::{BalanceSums, PoroState};
 pub use porous::{PorousMedium, exp_m1_on_its_tangent};
 pub use porous_cell::{CANCELLED, FlowStep, MAX_CORNERS, PorousCell};

@@ -3,6 +3,7 @@
 //! Pressures and masses as in [`PorousMedium`].
 
 use super::PorousMedium;
+use super::poro_state::{BalanceSums, PoroState};
 use crate::element::gauss;
 use crate::mesh::{Prototype, axes};
 
@@ -192,20 +193,21 @@ impl PorousCell {
         [shortest, longest].map(|h| h * h / (6.0 * theta * self.medium.consolidation()))
     }
 
-    /// Adds to `rows` what is stored at the end of a step at each node's share, and what flows off
-    /// in the weighted part of it; `sizes` gets the sum of the magnitudes, and of what the skeleton
-    /// yields to the pressure, which does not vanish where nothing flows (m3). `u` and `p` are
-    /// those of the end, `before` the pressures of the start.
+    /// Adds to the rows what is stored at the end of a step at each node's share, and what flows
+    /// off in the weighted part of it; the sizes get the sum of the magnitudes, and of what the
+    /// skeleton yields to the pressure, which does not vanish where nothing flows (m3). `end` is
+    /// the state at the end, `before` are the pressures of the start.
     pub fn add_balance(
         &self,
-        (u, p, before): (&[f64], &[f64], &[f64]),
+        end: PoroState<'_>,
+        before: &[f64],
         step: &FlowStep,
-        rows: &mut [f64],
-        sizes: &mut [f64],
+        mut sums: BalanceSums<'_>,
     ) {
-        let np = self.corners();
-        self.add_stored(u, p, step.lumped, rows, sizes);
-        self.add_flow(p, &step.gravity, step.theta * step.length, rows, sizes);
+        let (np, p) = (self.corners(), end.pressure);
+        self.add_stored(end, step.lumped, sums.reborrow());
+        self.add_flow(p, &step.gravity, step.theta * step.length, sums.reborrow());
+        let BalanceSums { rows, sizes } = sums;
         let yielding = self.medium.yielding();
         for (a, size) in sizes.iter_mut().enumerate() {
             let share: f64 = self.mass[a * np..][..np].iter().sum();
@@ -230,16 +232,10 @@ impl PorousCell {
         self.slopes.iter().zip(held).map(|(slopes, held)| held * slopes[entry]).sum()
     }
 
-    /// Adds the change of the stored fluid since the undeformed state at `u` and `p` (m3).
-    pub fn add_stored(
-        &self,
-        u: &[f64],
-        p: &[f64],
-        lumped: bool,
-        rows: &mut [f64],
-        sizes: &mut [f64],
-    ) {
-        let np = self.corners();
+    /// Adds the change of the stored fluid since the undeformed state (m3).
+    pub fn add_stored(&self, state: PoroState<'_>, lumped: bool, sums: BalanceSums<'_>) {
+        let PoroState { displacement: u, pressure: p } = state;
+        let (np, BalanceSums { rows, sizes }) = (self.corners(), sums);
         for q in &self.points {
             let strain: f64 = q.divergence.iter().zip(u).map(|(d, u)| d * u).sum();
             let values = &q.values[..np];
@@ -262,15 +258,8 @@ impl PorousCell {
 
     /// Adds what flows off in the time `length` at the pressures `p` (m3): Darcy's law with the
     /// density of the fluid.
-    pub fn add_flow(
-        &self,
-        p: &[f64],
-        gravity: &[f64; 3],
-        length: f64,
-        rows: &mut [f64],
-        sizes: &mut [f64],
-    ) {
-        let np = self.corners();
+    pub fn add_flow(&self, p: &[f64], gravity: &[f64; 3], length: f64, sums: BalanceSums<'_>) {
+        let (np, BalanceSums { rows, sizes }) = (self.corners(), sums);
         for q in &self.points {
             let at: f64 = q.values[..np].iter().zip(p).map(|(n, p)| n * p).sum();
             let ratio = self.medium.density_ratio(at);
@@ -337,7 +326,8 @@ impl PorousCell {
 
     /// Flux of the fluid (kg/m2/s, by component), pressure (Pa above the reference) and porosity at
     /// the centre.
-    pub fn at_centre(&self, u: &[f64], p: &[f64], gravity: &[f64; 3]) -> ([f64; 3], f64, f64) {
+    pub fn at_centre(&self, state: PoroState<'_>, gravity: &[f64; 3]) -> ([f64; 3], f64, f64) {
+        let PoroState { displacement: u, pressure: p } = state;
         let np = self.corners();
         let pressure = p[..np].iter().sum::<f64>() / np as f64;
         let ratio = self.medium.density_ratio(pressure);

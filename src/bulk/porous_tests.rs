@@ -67,7 +67,9 @@ fn the_tangent_at_rest_is_the_difference_of_the_balance() {
         let (np, n) = (cell.corners(), cell.points[0].divergence.len());
         let at = |u: &[f64], p: &[f64]| {
             let (mut rows, mut sizes) = (vec![0.0; np], vec![0.0; np]);
-            cell.add_balance((u, p, &vec![0.0; np]), &step, &mut rows, &mut sizes);
+            let end = PoroState { displacement: u, pressure: p };
+            let sums = BalanceSums { rows: &mut rows, sizes: &mut sizes };
+            cell.add_balance(end, &vec![0.0; np], &step, sums);
             rows
         };
         let h = 1e-6;

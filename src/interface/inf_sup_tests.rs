@@ -156,16 +156,16 @@ fn eigenvalues(
 fn dual_rows(mesh: &LocalMesh, side: Sides, prescribed: &Prescribed) -> Vec<Row> {
     let number = |name: u64| mesh.nodes.number(name).expect("a node of the mesh");
     let fixed = |name: u64| prescribed.components_of(&mesh.nodes.marks[number(name)]);
-    let terms = integrate(mesh, &[side], (mesh.dim(), &fixed)).expect("sides that cover");
+    let terms = integrate(mesh, &[side], mesh.dim(), &fixed).expect("sides that cover");
     let own = mesh.nodes.iter().filter(|(_, _, marks)| side.is_secondary(marks));
     let nodes: Vec<(u64, usize)> = own.map(|(name, ..)| (name, 0)).collect();
     let mut rows: Vec<Row> = Vec::new();
     for jump in sum(terms, &[side], &nodes, &mesh.nodes.names) {
         for (c, row) in jump.rows.iter().enumerate() {
             let Some(row) = row else { continue };
-            let own = (number(jump.node), row.own * row.weight);
-            let others = row.others.iter().map(|(n, a)| (number(*n), a * row.weight));
-            rows.push((others.chain([own]).collect(), c, row.weight));
+            let weighted =
+                row.coefficients(jump.node).map(|(name, a)| (number(name), a * row.weight));
+            rows.push((weighted.collect(), c, row.weight));
         }
     }
     rows

@@ -25,6 +25,43 @@ pub struct JumpRow<N> {
     pub others: Vec<(N, f64)>,
 }
 
+/// A row at work: `node` is the one that it belongs to.
+impl<N: Copy> JumpRow<N> {
+    /// The jump of a field, whose component at a local node is `at`.
+    #[inline]
+    pub fn trace(&self, node: N, at: impl Fn(N) -> f64) -> f64 {
+        self.own * at(node) + self.trace_of_others(at)
+    }
+
+    /// The part of [`JumpRow::trace`] that comes from the other nodes.
+    #[inline]
+    pub fn trace_of_others(&self, at: impl Fn(N) -> f64) -> f64 {
+        self.others.iter().map(|(other, a)| a * at(*other)).sum()
+    }
+
+    /// The transpose of [`JumpRow::trace`]: the forces of one on the jump, given to `add` node by
+    /// node.
+    #[inline]
+    pub fn spread(&self, node: N, force: f64, mut add: impl FnMut(N, f64)) {
+        add(node, self.own * force);
+        self.spread_to_others(force, add);
+    }
+
+    /// The transpose of [`JumpRow::trace_of_others`].
+    #[inline]
+    pub fn spread_to_others(&self, force: f64, mut add: impl FnMut(N, f64)) {
+        for (other, a) in &self.others {
+            add(*other, a * force);
+        }
+    }
+
+    /// All nodes with their coefficients, the own one last.
+    #[inline]
+    pub fn coefficients(&self, node: N) -> impl Iterator<Item = (N, f64)> {
+        self.others.iter().copied().chain([(node, self.own)])
+    }
+}
+
 /// The rows of one secondary node, one per component; none where the component is prescribed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JumpRows<N> {
@@ -114,10 +151,11 @@ pub fn jump_rows(
     comm: &Comm,
     mesh: &LocalMesh,
     sides: &[Sides],
-    (components, fixed): (usize, &dyn Fn(u64) -> [bool; 3]),
+    components: usize,
+    fixed: &dyn Fn(u64) -> [bool; 3],
     directory: &Directory<'_>,
 ) -> Result<Vec<JumpRows<u64>>> {
-    let terms = comm.agree(integrate(mesh, sides, (components, fixed)))?;
+    let terms = comm.agree(integrate(mesh, sides, components, fixed))?;
     let nodes: Vec<(u64, usize)> = mesh
         .nodes
         .iter()
@@ -136,7 +174,8 @@ pub fn jump_rows(
 pub(super) fn integrate(
     mesh: &LocalMesh,
     sides: &[Sides],
-    (components, fixed): (usize, &dyn Fn(u64) -> [bool; 3]),
+    components: usize,
+    fixed: &dyn Fn(u64) -> [bool; 3],
 ) -> Result<Vec<Term>> {
     let mut terms = Vec::new();
     for side in sides {
@@ -304,6 +343,21 @@ fn unpack(words: &[u64]) -> Vec<JumpRows<u64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn forces_on_the_jump_are_spread_as_the_jump_is_taken() {
+        let row = JumpRow { weight: 0.25, own: 2.0, others: vec![(2, -0.5), (0, -1.5)] };
+        let (u, own) = ([3.0, 7.0, 5.0, 11.0], 3);
+        let jump = row.trace(own, |node| u[node as usize]);
+        assert_eq!(jump, 2.0 * 11.0 - 0.5 * 5.0 - 1.5 * 3.0);
+        let mut force = [0.0; 4];
+        row.spread(own, 4.0, |node, f| force[node as usize] += f);
+        assert_eq!(force, [-6.0, 0.0, -2.0, 8.0]);
+        let work: f64 = force.iter().zip(&u).map(|(f, u)| f * u).sum();
+        assert_eq!(work, 4.0 * jump);
+        let nodes: Vec<u32> = row.coefficients(own).map(|(node, _)| node).collect();
+        assert_eq!(nodes, [2, 0, 3]);
+    }
 
     #[test]
     fn rows_survive_the_journey() {

@@ -30,6 +30,7 @@ pub(super) fn summary(html: &mut String, run: &Run<'_>) {
     let reached = run.history.rows.len();
     let of = run.case.time.len();
     let (class, words) = match text(report, "status") {
+        "done" if outcomes == 1 => ("good", "done, the one expectation met".to_owned()),
         "done" if outcomes > 0 => ("good", format!("done, all {outcomes} expectations met")),
         "done" => ("good", "done".to_owned()),
         "expectation_missed" => ("bad", format!("{missed} of {outcomes} expectations missed")),

@@ -144,14 +144,7 @@ impl Prover<'_> {
         let all = &self.asked.all;
         let dim = all.dim;
         let secondary = &all.secondary[..all.owned_secondary()];
-        let mut nodes: Vec<u32> = secondary
-            .iter()
-            .flat_map(|rows| {
-                let others =
-                    rows.rows.iter().flatten().flat_map(|row| row.others.iter().map(|o| o.0));
-                others.chain([rows.node])
-            })
-            .collect();
+        let mut nodes: Vec<u32> = secondary.iter().flat_map(|rows| rows.nodes()).collect();
         nodes.sort_unstable();
         nodes.dedup();
         let names: Vec<u64> = nodes.iter().map(|n| all.nodes.names[*n as usize]).collect();

@@ -165,10 +165,11 @@ fn check(state: &State, progress: &Progress<'_>, model: &Model<'_>, file: &Path)
         return Err(refused(what, value, &format!("at ({x}, {y}, {z}) m {when}"), file));
     }
     let step = &state.step;
+    let fluid: [f64; 7] = step.fluid.into();
     let mut numbers = [
         ("energy", &step.energy[..]),
         ("largest force or displacement", &step.scales),
-        ("balance of the fluid", &step.fluid),
+        ("balance of the fluid", &fluid),
     ]
     .into_iter()
     .chain([("residual_norms", progress.residual_norms)])

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::bulk::PoroState;
 use crate::case::{BULK, Case};
 use crate::comm::Comm;
 use crate::element::Shape;
@@ -186,7 +187,7 @@ impl PoreFields {
             porosity: vec![0.0; cells],
         };
         for pores in &space.cells {
-            let state = (&problem.displacement[..], pressure);
+            let state = PoroState { displacement: &problem.displacement, pressure };
             let (flux, pressure, porosity) =
                 space.at_centre(all, pores, state, &gravity.unwrap_or_default());
             let cell = pores.cell as usize;

@@ -173,6 +173,7 @@ pub fn close(report: &Report, directory: Option<&Path>) {
     }
     let met = report.expectations.iter().filter(|o| o.met).count();
     match report.status {
+        Status::Done if met == 1 => tracing::info!("the one expectation met"),
         Status::Done if met > 0 => tracing::info!("all {met} expectations met"),
         Status::ExpectationMissed => tracing::info!(
             "{} of {} expectations missed",

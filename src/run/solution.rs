@@ -27,7 +27,7 @@ pub enum Solution {
         /// The proof that it serves.
         reduction: Reduction,
         /// Its states.
-        reduced: Reduced,
+        reduced: Box<Reduced>,
     },
 }
 
@@ -55,7 +55,7 @@ impl Solution {
                 Ok(Ok((certificate, reduced))) => {
                     let (applied, why) = (true, candidate.left_out.to_owned());
                     let reduction = Reduction { applied, why, certificate: Some(certificate) };
-                    return Ok(Self::Smaller { reduction, reduced });
+                    return Ok(Self::Smaller { reduction, reduced: Box::new(reduced) });
                 }
                 Ok(Err(reason)) => why = reason,
                 // No other model would do better.

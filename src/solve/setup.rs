@@ -2,18 +2,21 @@
 
 use std::rc::Rc;
 
+use super::flow::Flow;
 use super::flow::coupled::Coupling;
-use super::flow::setup::{MECHANICS, couple, known_pressure};
+use super::flow::pressures::Displacements;
+use super::flow::setup::{MECHANICS, Mechanics, couple, known_pressure};
 use super::model::interfaces::{InterfaceState, JointLaw};
 use super::model::linear::{LinearChoice, LinearTarget, MULTIGRID};
 use super::model::{BoundaryValueProblem, discretize, strength_factors};
 use super::problem::convergence::Convergence;
 use super::problem::path::PathControl;
 use super::problem::saddle::SaddlePoint;
-use super::problem::{Problem, TangentForm};
+use super::problem::{Problem, ProblemParts, TangentForm};
 use super::stepping::Stepper;
 use crate::assembly::{Discretization, Pattern, SaddleTangent, Tangent, TangentOperator};
 use crate::case::{Case, Control, Form};
+use crate::comm::Comm;
 use crate::error::Result;
 use crate::fault;
 use crate::interface::Sides;
@@ -55,69 +58,115 @@ pub fn build<'a>(
     let BoundaryValueProblem { mesh, all, sides, prescribed, loads } = problem;
     let dim = case.dim;
     let unknowns = all.nodes.total * dim as u64;
-    let laws = joint_laws(case, &mesh, &sides);
+    let interfaces = interfaces(comm, case, &mesh, &sides, &all)?;
+    let tolerance = case.solver.tolerance * share_of_corners(&mesh.facts);
+    let convergence = convergence(case, tolerance);
+
+    fault::strike(comm, "setup")?;
+    let levels = levels(comm, case, &choice, &sides, coarser, &mesh, &all)?;
+    let system = system(runtime, case, &choice, &all, levels)?;
+    let System { snes, form, diagonal, saddle, rows } = system;
+    let known_pressure = known_pressure(comm, case, &mesh, &all)?;
+    let of = Displacements { mesh: &mesh, all: &all, sides: &sides };
+    let (snes, mut x, mut coupling) = match &case.flow {
+        Some(flow) => {
+            let tangent = match &form {
+                TangentForm::Levels(hierarchy) => Rc::clone(hierarchy.finest()),
+                _ => Rc::new(TangentOperator::new(Rc::clone(&all), diagonal)),
+            };
+            let eliminate = (choice.preset == "mumps").then(|| KspSetup::new(&choice.options));
+            let mechanics = Mechanics { snes, tangent };
+            let coupled = couple(runtime, case, flow, of, mechanics, eliminate.as_ref())?;
+            let x = Vector::new(&runtime.petsc, coupled.rows, 1)?;
+            (coupled.snes, x, Some(coupled.coupling))
+        }
+        None => (snes, Vector::new(&runtime.petsc, rows, dim)?, None),
+    };
+    if let Some(Coupling { flow, .. }) = &mut coupling {
+        begin_flow(comm, &all, flow, &mut x)?;
+    }
+    let mut problem = Problem::new(ProblemParts {
+        comm,
+        timers,
+        all,
+        loads,
+        interfaces,
+        form,
+        diagonal,
+        convergence,
+        linear: LinearTarget::new(tolerance),
+        mesh: mesh.facts.clone(),
+    });
+    let path =
+        |control: &Control| PathControl::new(control.clone(), control.words(&case.interfaces));
+    problem.known_pressure = known_pressure;
+    problem.path = case.control.as_ref().map(path);
+    let stepper = Stepper::new(case, problem, snes, saddle, coupling, x, prescribed);
+    let pressures = stepper.coupling.as_ref().map_or(0, |c| c.flow.space.nodes.total);
+    Ok(Model { stepper, mesh, sides, choice, unknowns: unknowns + pressures })
+}
+
+/// Starts from the initial pressures, with displacements of zero. Collective.
+fn begin_flow(comm: &Comm, all: &Discretization, flow: &mut Flow, x: &mut Vector) -> Result<()> {
+    let unknowns = &mut x.write()?[all.nodes.owned * all.dim..];
+    unknowns.iter_mut().zip(&flow.pressure).for_each(|(x, p)| *x = p / flow.scale);
+    flow.begin(comm, all, &vec![0.0; all.nodes.len() * all.dim]);
+    Ok(())
+}
+
+/// The undamaged, unloaded interfaces. Collective.
+fn interfaces(
+    comm: &Comm,
+    case: &Case,
+    mesh: &LocalMesh,
+    sides: &[Sides],
+    all: &Discretization,
+) -> Result<InterfaceState> {
     let owned = all.secondary[..all.owned_secondary()].iter();
     let places = owned.map(|rows| {
         let node = rows.node as usize;
         (rows.interface, all.nodes.names[node], all.nodes.points[node])
     });
     let factors = AtNode::agree(comm, strength_factors(case, places))?;
-    let mut interfaces = InterfaceState::new(dim, laws, factors);
-    interfaces.is_gradual = case.interfaces.iter().any(|i| i.film.is_some());
+    let mut state = InterfaceState::new(case.dim, joint_laws(case, mesh, sides), factors);
+    state.is_gradual = case.interfaces.iter().any(|i| i.film.is_some());
+    Ok(state)
+}
+
+/// The test of convergence, with this `tolerance` of forces.
+fn convergence(case: &Case, tolerance: f64) -> Convergence {
     let names = case.interfaces.iter().map(|i| i.name.clone()).collect();
-    let solver = &case.solver;
-    let tolerance = solver.tolerance * share_of_corners(&mesh.facts);
-    let mut convergence = Convergence::new(tolerance, solver.max_newton, names);
+    let mut convergence = Convergence::new(tolerance, case.solver.max_newton, names);
     convergence.other = if case.flow.is_some() {
         "the balance of the fluid"
     } else {
         "the quantity that control follows"
     };
-    let target = LinearTarget::new(tolerance);
+    convergence
+}
 
-    fault::strike(comm, "setup")?;
+/// The levels of multigrid, coarsest first; none for other solvers. Collective.
+fn levels(
+    comm: &Comm,
+    case: &Case,
+    choice: &LinearChoice,
+    sides: &[Sides],
+    coarser: Vec<LocalMesh>,
+    finest: &LocalMesh,
+    all: &Rc<Discretization>,
+) -> Result<Vec<Level>> {
     let mut levels = Vec::new();
-    if choice.preset == MULTIGRID {
-        let mut below: Option<LocalMesh> = None;
-        for mesh in coarser {
-            let all = Rc::new(discretize(comm, case, &mesh, &sides)?);
-            levels.push(level(&mesh, all, below.as_ref()));
-            below = Some(mesh);
-        }
-        levels.push(level(&mesh, Rc::clone(&all), below.as_ref()));
+    if choice.preset != MULTIGRID {
+        return Ok(levels);
     }
-    let system = system(runtime, case, &choice, &all, levels)?;
-    let System { snes, form, diagonal, saddle, rows } = system;
-    let known_pressure = known_pressure(comm, case, (&mesh, &all))?;
-    let (snes, mut x, mut coupling) = if let Some(flow) = &case.flow {
-        let tangent = match &form {
-            TangentForm::Levels(hierarchy) => Rc::clone(hierarchy.finest()),
-            _ => Rc::new(TangentOperator::new(Rc::clone(&all), diagonal)),
-        };
-        let eliminate = (choice.preset == "mumps").then(|| KspSetup::new(&choice.options));
-        let solver = (snes, tangent);
-        let coupled =
-            couple(runtime, case, flow, (&mesh, &all, &sides), solver, eliminate.as_ref())?;
-        let x = Vector::new(&runtime.petsc, coupled.rows, 1)?;
-        (coupled.snes, x, Some(coupled.coupling))
-    } else {
-        (snes, Vector::new(&runtime.petsc, rows, dim)?, None)
-    };
-    if let Some(Coupling { flow, .. }) = &mut coupling {
-        let unknowns = &mut x.write()?[all.nodes.owned * dim..];
-        unknowns.iter_mut().zip(&flow.pressure).for_each(|(x, p)| *x = p / flow.scale);
-        flow.begin(comm, &all, &vec![0.0; all.nodes.len() * dim]);
+    let mut below: Option<LocalMesh> = None;
+    for mesh in coarser {
+        let all = Rc::new(discretize(comm, case, &mesh, sides)?);
+        levels.push(level(&mesh, all, below.as_ref()));
+        below = Some(mesh);
     }
-    let (form, facts) = ((form, diagonal), mesh.facts.clone());
-    let mut problem =
-        Problem::new(comm, timers, all, loads, interfaces, form, convergence, target, facts);
-    let path =
-        |control: &Control| PathControl::new(control.clone(), control.words(&case.interfaces));
-    problem.known_pressure = known_pressure;
-    problem.path = case.control.as_ref().map(path);
-    let stepper = Stepper::new(case, problem, snes, (saddle, coupling), x, prescribed);
-    let pressures = stepper.coupling.as_ref().map_or(0, |c| c.flow.space.nodes.total);
-    Ok(Model { stepper, mesh, sides, choice, unknowns: unknowns + pressures })
+    levels.push(level(finest, Rc::clone(all), below.as_ref()));
+    Ok(levels)
 }
 
 /// A level of multigrid, with its nodes' dependence on those of the one below.

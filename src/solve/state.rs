@@ -2,10 +2,10 @@
 
 use std::rc::Rc;
 
-use super::flow::FluidBalance;
 use super::flow::coupled::Coupling;
+use super::flow::{NextStep, Pace};
 use super::problem::energy::Energy;
-use super::stepping::{Accepted, StepState, Stepper};
+use super::stepping::{Accepted, FluidState, StepState, Stepper};
 use crate::comm::Rows;
 use crate::error::{Error, Result};
 
@@ -80,7 +80,13 @@ impl Stepper<'_> {
     /// # Errors
     /// `System` when PETSc fails.
     pub fn state(&self) -> Result<State> {
-        let (problem, all) = (&self.problem, &self.problem.all);
+        let (nodal, interface) = (self.nodal_rows(), self.interface_rows());
+        Ok(State { dim: self.problem.all.dim, step: self.step_state(), nodal, interface })
+    }
+
+    /// [`State::nodal`] of the last accepted state. Collective.
+    fn nodal_rows(&self) -> Rows {
+        let all = &self.problem.all;
         let dim = all.dim;
         let names: Vec<u64> = all.nodes.names[..all.nodes.owned].to_vec();
         let pressure = self.coupling.as_ref().map(|coupling| {
@@ -96,8 +102,12 @@ impl Stepper<'_> {
             values.extend(displacement.iter().chain(force));
             values.extend(pressure.iter().flatten().map(|of| of[node]));
         }
-        let nodal = Rows { width, names, values };
-        let interfaces = &problem.interfaces;
+        Rows { width, names, values }
+    }
+
+    /// [`State::interface`] of the last accepted state. Local.
+    fn interface_rows(&self) -> Rows {
+        let (all, interfaces) = (&self.problem.all, &self.problem.interfaces);
         let owned = &all.secondary[..all.owned_secondary()];
         let mut rows: Vec<(u64, [f64; 2])> = owned
             .iter()
@@ -108,29 +118,23 @@ impl Stepper<'_> {
             })
             .collect();
         rows.sort_unstable_by_key(|row| row.0);
-        let interface = Rows {
+        Rows {
             width: 2,
             names: rows.iter().map(|row| row.0).collect(),
             values: rows.iter().flat_map(|row| row.1).collect(),
-        };
-        let Energy { elastic, dissipated, external, fluid } = self.energy;
+        }
+    }
+
+    /// What of the last accepted state is not a field. Local.
+    fn step_state(&self) -> StepState {
+        let problem = &self.problem;
+        let Energy { elastic, dissipated, external, .. } = self.energy;
         let Accepted { newton_iterations, linear_iterations, steps, .. } = self.since_instant;
-        let step = StepState {
+        StepState {
             time: self.time,
             step: self.step.is_finite().then_some(self.step),
             energy: [elastic, dissipated, external],
-            fluid: self.coupling.as_ref().map_or(
-                [fluid, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-                |coupling| {
-                    let FluidBalance { inflow, outflow, stored } = coupling.flow.balance;
-                    let pace = coupling.flow.pace.as_ref();
-                    let next = pace.filter(|pace| !pace.is_jump).map_or(0.0, |pace| {
-                        if pace.rate.is_some() { pace.next } else { -pace.next }
-                    });
-                    let largest = pace.map_or(0.0, |pace| pace.largest);
-                    [fluid, inflow, outflow, stored, coupling.flow.accepted_scale(), next, largest]
-                },
-            ),
+            fluid: self.fluid_state(),
             has_begun: self.has_begun,
             ramp: self.grows_until(),
             remarks: self.remarks(),
@@ -141,8 +145,23 @@ impl Stepper<'_> {
             since_instant: [newton_iterations, linear_iterations, steps],
             instabilities: self.instabilities_in_words(),
             bifurcations: self.bifurcations_in_words(),
+        }
+    }
+
+    /// The fluid at the last accepted state. Local.
+    fn fluid_state(&self) -> FluidState {
+        let work = self.energy.fluid;
+        let Some(Coupling { flow, .. }) = &self.coupling else {
+            return FluidState { work, ..FluidState::default() };
         };
-        Ok(State { dim, step, nodal, interface })
+        let pace = flow.pace.as_ref();
+        FluidState {
+            work,
+            balance: flow.balance,
+            scale: flow.accepted_scale(),
+            next_step: pace.map_or(NextStep::First, Pace::next_step),
+            largest_pressure: pace.map_or(0.0, |pace| pace.largest),
+        }
     }
 
     /// Goes on from a state: `nodal` and `interface` are its fields in slabs. Collective.
@@ -179,9 +198,9 @@ impl Stepper<'_> {
         // Nothing acts on the undeformed state yet, whatever its pressures.
         let acts = step.time > self.case.start || step.has_begun && self.starts_in_equilibrium();
         self.resume_flow(nodal, step.fluid, acts)?;
-        self.resume_load(step.time, step.fluid[0])?;
+        self.resume_load(step.time, step.fluid.work)?;
         let [elastic, dissipated, external] = step.energy;
-        self.energy = Energy { elastic, dissipated, external, fluid: step.fluid[0] };
+        self.energy = Energy { elastic, dissipated, external, fluid: step.fluid.work };
         self.work.total = external;
         self.time = step.time;
         self.step = step.step.unwrap_or(f64::INFINITY);
@@ -233,7 +252,7 @@ impl Stepper<'_> {
 
     /// Goes on from the pressures among `nodal` rows in slabs; the displacements are those of
     /// `self.x`. Whether the pressures have done work already is `acts`. Collective.
-    fn resume_flow(&mut self, nodal: &Rows, fluid: [f64; 7], acts: bool) -> Result<()> {
+    fn resume_flow(&mut self, nodal: &Rows, fluid: FluidState, acts: bool) -> Result<()> {
         let Some(coupling) = &mut self.coupling else { return Ok(()) };
         let problem = &mut self.problem;
         let (comm, all) = (problem.comm, Rc::clone(&problem.all));
@@ -251,20 +270,14 @@ impl Stepper<'_> {
         let displacements = self.work.displacement.len();
         problem.displacement[..displacements].copy_from_slice(&self.work.displacement);
         all.nodes.update_ghosts(&mut problem.displacement, all.dim);
-        let [work, inflow, outflow, stored, scale, next, largest] = fluid;
         if let Some(pace) = &mut flow.pace {
-            pace.largest = largest;
-            if next != 0.0 {
-                (pace.next, pace.is_jump) = (next.abs(), false);
-                pace.rate = (next > 0.0).then_some(rate);
-            }
+            pace.resume(fluid.next_step, rate, fluid.largest_pressure);
         }
-        let balance = FluidBalance { inflow, outflow, stored };
-        flow.resume(problem, &pressures, (balance, scale));
+        flow.resume(problem, &pressures, fluid.balance, fluid.scale);
         for (x, p) in self.x.write()?[displacements..].iter_mut().zip(&pressures) {
             *x = p / flow.scale;
         }
-        self.work.of_fluid = work;
+        self.work.of_fluid = fluid.work;
         if acts {
             let mut force = vec![0.0; all.nodes.len() * all.dim];
             flow.add_forces(&all, &mut force);

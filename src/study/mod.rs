@@ -96,7 +96,8 @@ fn version() -> String {
 }
 
 fn list(study: &Study, plan: &Plan) {
-    tracing::info!("{}: {} runs, {} launches each", study.title, plan.runs.len(), study.repeats);
+    let es = if study.repeats == 1 { "" } else { "es" };
+    tracing::info!("{}: {} runs, {} launch{es} each", study.title, plan.runs.len(), study.repeats);
     for (number, run) in plan.runs.iter().enumerate() {
         tracing::info!("{}", headline(plan, number, run));
         for text in &run.overrides {

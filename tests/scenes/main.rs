@@ -29,7 +29,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 /// Scenes of the usual tests.
-const FIXED: u64 = 60;
+const FIXED: u64 = 40;
 
 /// Scenes at the same time: more would fight for the cores.
 const WORKERS: usize = 2;

@@ -1,6 +1,7 @@
 //! Matrices of the pore pressure.
 
 use super::PoreSpace;
+use crate::assembly::films::PressureBlock;
 use crate::assembly::pattern::{count_blocks, merge_to_owners};
 use crate::bulk::PorousCell;
 use crate::comm::Comm;
@@ -43,8 +44,8 @@ impl PoreSpace {
     }
 
     /// Sets `matrix` to the sum of the symmetric matrices that `of_cell` gives for each prototype
-    /// and of further `blocks` over local nodes of one cell (m3/Pa), times `factor`, with
-    /// `diagonal` at identity rows. Collective.
+    /// and of further `blocks` (m3/Pa), times `factor`, with `diagonal` at identity rows.
+    /// Collective.
     ///
     /// # Errors
     /// `System` when PETSc refuses a value; on all ranks.
@@ -52,8 +53,9 @@ impl PoreSpace {
         &self,
         comm: &Comm,
         of_cell: impl Fn(&PorousCell) -> Vec<f64>,
-        blocks: &[(Vec<u32>, Vec<f64>)],
-        (factor, diagonal): (f64, f64),
+        blocks: &[PressureBlock],
+        factor: f64,
+        diagonal: f64,
         matrix: &mut Matrix,
     ) -> Result<()> {
         matrix.zero()?;
@@ -63,7 +65,7 @@ impl PoreSpace {
             for cell in &self.cells {
                 self.add(&cell.nodes[..self.corners()], &like[cell.prototype as usize], matrix)?;
             }
-            for (nodes, values) in blocks {
+            for PressureBlock { nodes, values } in blocks {
                 let values: Vec<f64> = values.iter().map(|v| factor * v).collect();
                 self.add(nodes, &values, matrix)?;
             }

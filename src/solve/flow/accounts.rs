@@ -1,9 +1,9 @@
 //! What the fluid does from one accepted state to the next, and the accounts of it.
 
-use super::balance::Contents;
+use super::balance::{Contents, NodalBalance};
 use super::{Flow, Source};
 use crate::assembly::Discretization;
-use crate::bulk::FlowStep;
+use crate::bulk::{BalanceSums, FlowStep, PoroState};
 use crate::comm::Comm;
 
 impl Flow {
@@ -30,14 +30,17 @@ impl Flow {
         let (p, space, step) = (&self.pressure, &self.space, &self.step);
         self.in_pores.clear(p.len());
         let Contents { stored, flow } = &mut self.in_pores;
-        space.add_stored(all, (u, p), step.lumped, stored);
+        let state = PoroState { displacement: u, pressure: p };
+        space.add_stored(all, state, step.lumped, stored);
         space.add_flow(all, p, &step.gravity, flow);
         if space.films.are_there() {
             let mut sizes = vec![0.0; p.len()];
             self.in_films.clear(p.len());
             let Contents { stored, flow } = &mut self.in_films;
-            space.films.add_stored(all, (u, p), (stored, &mut sizes));
-            space.films.add_flow(all, (u, p), (&step.gravity, 1.0), (flow, &mut sizes));
+            let (rows, films) = (stored, &space.films);
+            films.add_stored(all, state, BalanceSums { rows, sizes: &mut sizes });
+            let sums = BalanceSums { rows: flow, sizes: &mut sizes };
+            films.add_flow(all, state, &step.gravity, 1.0, sums);
         }
     }
 
@@ -56,21 +59,25 @@ impl Flow {
         }
     }
 
-    /// The balance of the pores in the step, with the fluxes through the surfaces, at all local
-    /// nodes, not summed, and the magnitudes of its parts (m3); in `every` cell or where a pressure
-    /// is to be found.
-    fn of_pores(&self, all: &Discretization, u: &[f64], every: bool) -> [Vec<f64>; 2] {
-        let (mut rows, mut sizes) = (vec![0.0; self.before.len()], vec![0.0; self.before.len()]);
-        let state = (u, &self.pressure[..], &self.before[..]);
-        self.space.add_balance(all, state, &self.step, every, (&mut rows, &mut sizes));
-        self.add_start(&self.in_pores, &mut rows);
-        self.add_source(&self.inflow, &mut rows, &mut sizes);
-        [rows, sizes]
+    /// The balance of the pores in the step, with the fluxes through the surfaces, in `every` cell
+    /// or where a pressure is to be found.
+    fn of_pores(&self, all: &Discretization, u: &[f64], every: bool) -> NodalBalance {
+        let mut balance = NodalBalance::zero(self.before.len());
+        let (end, sums) = (self.state(u), balance.sums());
+        self.space.add_balance(all, end, &self.before, &self.step, every, sums);
+        self.add_start(&self.in_pores, &mut balance.rows);
+        self.add_source(&self.inflow, balance.sums());
+        balance
+    }
+
+    /// The pressures that were evaluated last with displacements.
+    fn state<'s>(&'s self, u: &'s [f64]) -> PoroState<'s> {
+        PoroState { displacement: u, pressure: &self.pressure }
     }
 
     /// Takes what a source gives in the step off the balance.
-    fn add_source(&self, source: &Source, rows: &mut [f64], sizes: &mut [f64]) {
-        let ends = self.weights();
+    fn add_source(&self, source: &Source, sums: BalanceSums<'_>) {
+        let (ends, BalanceSums { rows, sizes }) = (self.weights(), sums);
         for (i, (row, size)) in rows.iter_mut().zip(sizes).enumerate() {
             let given: f64 = ends.iter().zip(&source.at).map(|(part, at)| part * at[i]).sum();
             *row -= given;
@@ -79,22 +86,21 @@ impl Flow {
     }
 
     /// Adds what is no part of the pores: films, injection, and what the last step left.
-    fn complete(&self, all: &Discretization, u: &[f64], [rows, sizes]: &mut [Vec<f64>; 2]) {
-        let (films, p) = (&self.space.films, &self.pressure[..]);
+    fn complete(&self, all: &Discretization, u: &[f64], balance: &mut NodalBalance) {
+        let (films, state) = (&self.space.films, self.state(u));
         let ends = self.weights();
-        films.add_stored(all, (u, p), (&mut *rows, &mut *sizes));
-        films.add_flow(all, (u, p), (&self.step.gravity, ends[1]), (&mut *rows, &mut *sizes));
-        self.add_start(&self.in_films, rows);
-        self.add_source(&self.injection, rows, sizes);
-        rows.iter_mut().zip(&self.left).for_each(|(row, left)| *row += left);
+        films.add_stored(all, state, balance.sums());
+        films.add_flow(all, state, &self.step.gravity, ends[1], balance.sums());
+        self.add_start(&self.in_films, &mut balance.rows);
+        self.add_source(&self.injection, balance.sums());
+        balance.rows.iter_mut().zip(&self.left).for_each(|(row, left)| *row += left);
     }
 
-    /// The balance of the step at all local nodes, not summed, and the magnitudes of its parts
-    /// (m3).
-    pub(super) fn rows(&self, all: &Discretization, u: &[f64]) -> [Vec<f64>; 2] {
-        let mut rows = self.of_pores(all, u, false);
-        self.complete(all, u, &mut rows);
-        rows
+    /// The balance of the step.
+    pub(super) fn nodal_balance(&self, all: &Discretization, u: &[f64]) -> NodalBalance {
+        let mut balance = self.of_pores(all, u, false);
+        self.complete(all, u, &mut balance);
+        balance
     }
 
     /// Makes the state that was evaluated last an accepted one: `u` are its displacements at all
@@ -102,13 +108,13 @@ impl Flow {
     pub fn accept(&mut self, comm: &Comm, all: &Discretization, u: &[f64]) {
         self.scales[0] = self.scales[0].max(self.scales[1]);
         let mut sums = vec![0.0; 3 + 2 * self.into_sides.len()];
-        let mut rows = self.of_pores(all, u, true);
+        let mut balance = self.of_pores(all, u, true);
         // What the pores at a lip take up comes from the interface.
         for (node, side) in &self.lips {
-            sums[3 + side] += self.density * rows[0][*node as usize] / self.step.length;
+            sums[3 + side] += self.density * balance.rows[*node as usize] / self.step.length;
         }
-        self.complete(all, u, &mut rows);
-        let [mut rows, _] = rows;
+        self.complete(all, u, &mut balance);
+        let mut rows = balance.rows;
         self.space.sum(&mut rows);
         for source in [&self.inflow, &self.injection] {
             for (part, at) in self.weights().iter().zip(&source.at) {

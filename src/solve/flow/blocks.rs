@@ -25,7 +25,7 @@ use std::rc::Rc;
 use super::block::Block;
 use super::coupled_factors::CoupledFactors;
 use crate::assembly::{CoupledValues, FilmTangent, NodeState, PoreSpace, TangentOperator};
-use crate::bulk::{FlowStep, PorousCell};
+use crate::bulk::{FlowStep, PoroState, PorousCell};
 use crate::comm::Comm;
 use crate::error::Result;
 use crate::petsc::{
@@ -72,7 +72,8 @@ impl Blocks {
     pub fn new(
         comm: &Comm,
         petsc: &Petsc,
-        (mechanics, solve): (Snes, CoupledSolve),
+        mechanics: Snes,
+        solve: CoupledSolve,
         tangent: Rc<TangentOperator>,
         pores: Rc<PoreSpace>,
         scale: f64,
@@ -154,7 +155,7 @@ impl Blocks {
         let films = self.films.borrow().blocks(&self.pores.films, yielding);
         let block = &mut *flow.borrow_mut();
         let (square, matrix) = (self.scale * self.scale, block.solver.matrix_mut());
-        self.pores.assemble(comm, with_yielding, &films, (square, self.diagonal), matrix)?;
+        self.pores.assemble(comm, with_yielding, &films, square, self.diagonal, matrix)?;
         block.solver.set_up(TangentChange::Changed)?;
         Ok(())
     }
@@ -168,9 +169,9 @@ impl Blocks {
             scale: self.scale,
             diagonal: self.diagonal,
         };
-        let spaces = (&**self.tangent.discretization(), &*self.pores);
-        let mechanics = self.mechanics.borrow();
-        factors.borrow_mut().set_up(comm, spaces, mechanics.solver.matrix(), &values)
+        let (all, mechanics) = (self.tangent.discretization(), self.mechanics.borrow());
+        let matrix = mechanics.solver.matrix();
+        factors.borrow_mut().set_up(comm, all, &self.pores, matrix, &values)
     }
 
     /// Scaled pressures of owned nodes to pressures of all local ones. Collective.
@@ -207,7 +208,8 @@ impl LinearOperator for Operator {
             blocks.tangent.multiply_beside(xu, yu, |u, force| {
                 pores.add_forces(all, &minus, false, force);
                 pores.add_volumes(all, u, &mut rows);
-                blocks.films.borrow().add_product(&pores.films, all, (u, &p), &mut rows);
+                let change = PoroState { displacement: u, pressure: &p };
+                blocks.films.borrow().add_product(&pores.films, all, change, &mut rows);
             });
             pores.add_product(&blocks.compressibility.borrow(), &p, &mut rows);
             pores.fold(&mut rows);

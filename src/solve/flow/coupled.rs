@@ -7,7 +7,7 @@ use std::rc::Rc;
 
 use super::Flow;
 use super::blocks::{Blocks, Operator};
-use crate::bulk::FlowStep;
+use crate::bulk::{FlowStep, PoroState};
 use crate::error::Result;
 use crate::petsc::{
     FurtherSolve, LinearOperator, LinearTolerance, Matrix, NonlinearSystem, Ran, TangentChange,
@@ -95,8 +95,8 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
             *missing = [0.0; 2];
             return Ok(());
         }
-        let state = (&problem.displacement[..], &problem.known_jumps[..]);
-        *missing = flow.residual(problem.comm, &all, state, fp);
+        let (u, known) = (&problem.displacement, &problem.known_jumps);
+        *missing = flow.residual(problem.comm, &all, u, known, fp);
         Ok(())
     }
 
@@ -114,7 +114,8 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         let mut serves = coupling.assembled.is_some_and(|assembled| assembled.serves(&step));
         let films = &coupling.flow.space.films;
         if films.are_there() {
-            let state = (&problem.displacement[..], &coupling.flow.pressure[..]);
+            let (displacement, pressure) = (&problem.displacement, &coupling.flow.pressure);
+            let state = PoroState { displacement, pressure };
             let linearised = films.linearise(&problem.all, state, &step);
             serves &= !problem.comm.any(linearised != *coupling.blocks.films.borrow());
             coupling.blocks.films.replace(linearised);
@@ -158,7 +159,7 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         } else if blocks.is_coupled() && blocks.is_split() {
             projection.keep(correction);
         }
-        let mut part = problem.convergence.part_of_step;
+        let mut part = problem.convergence.part_of_step();
         if let Some(fluid) = &blocks.pores.films.fluid {
             let pressures = correction[blocks.split..].iter();
             let mut largest = [pressures.fold(0.0_f64, |m, p| m.max(p.abs()))];

@@ -29,12 +29,13 @@ impl CoupledFactors {
     pub(in crate::solve) fn set_up(
         &mut self,
         comm: &Comm,
-        (all, pores): (&Discretization, &PoreSpace),
+        all: &Discretization,
+        pores: &PoreSpace,
         bulk: &Matrix,
         values: &CoupledValues<'_>,
     ) -> Result<()> {
         let solver = &mut self.block.solver;
-        self.numbers.assemble(comm, (all, pores), bulk, values, solver.matrix_mut())?;
+        self.numbers.assemble(comm, all, pores, bulk, values, solver.matrix_mut())?;
         if self.failed {
             solver.forget_factors()?;
         }

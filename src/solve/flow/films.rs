@@ -1,13 +1,12 @@
 //! The films of fluid between lips, and the ties that give both lips one pressure.
 
-use super::pressures::Pressures;
+use super::pressures::{Displacements, Pressures};
 use crate::assembly::{Discretization, FilmFacet, FilmNode, Films, Tie};
 use crate::case::Case;
 use crate::comm::Comm;
 use crate::element::{MAX_NODES, Shape};
 use crate::error::Result;
 use crate::interface::{Film, Fluid, JumpRows, Sides, jump_rows};
-use crate::mesh::LocalMesh;
 use crate::space::{Directory, Nodes};
 
 /// Interfaces along which fluid flows.
@@ -35,20 +34,19 @@ pub(in crate::solve) fn tie_rows(
         let node = nodes.number(name).expect("a corner of the rank's own cell");
         [pressures.prescribed.entry_of(&nodes.marks[node]).is_some(), false, false]
     };
-    jump_rows(comm, pressures.corners, &sides, (1, &fixed), directory)
+    jump_rows(comm, pressures.corners, &sides, 1, &fixed, directory)
 }
 
 /// Pressure nodes that this rank needs beside those of its cells: what `rows` extend over, and the
 /// corners around its secondary nodes. Local.
 pub(in crate::solve) fn further_nodes(
     case: &Case,
-    sides: &[Sides],
-    (mesh, all): (&LocalMesh, &Discretization),
+    of: Displacements<'_>,
     rows: &[JumpRows<u64>],
 ) -> Vec<u64> {
     let others = rows.iter().filter_map(|row| row.rows[0].as_ref()).flat_map(|row| &row.others);
     let mut nodes: Vec<u64> = others.map(|(node, _)| *node).collect();
-    for (_, corners) in film_nodes(case, sides, (mesh, all)) {
+    for (_, corners) in film_nodes(case, of) {
         nodes.extend(corners.iter().map(|(corner, _)| *corner));
     }
     nodes
@@ -74,11 +72,8 @@ pub(in crate::solve) fn ties(
 
 /// Indices into `Discretization::secondary` of the owned nodes with a film, rising, and the corners
 /// around each with their parts of the pressure there, by rising name.
-fn film_nodes(
-    case: &Case,
-    sides: &[Sides],
-    (mesh, all): (&LocalMesh, &Discretization),
-) -> Vec<(u32, Vec<(u64, f64)>)> {
+fn film_nodes(case: &Case, of: Displacements<'_>) -> Vec<(u32, Vec<(u64, f64)>)> {
+    let Displacements { mesh, all, sides } = of;
     let mut corners_of = vec![Vec::new(); all.owned_secondary()];
     for (_, side) in flowing(case, sides) {
         for facet in mesh.on_lip(side.interface, side.secondary) {
@@ -109,12 +104,8 @@ fn secondary(all: &Discretization, name: u64) -> u32 {
 }
 
 /// The films of this rank's secondary nodes and facets. Local.
-pub(in crate::solve) fn films(
-    case: &Case,
-    sides: &[Sides],
-    (mesh, all): (&LocalMesh, &Discretization),
-    nodes: &Nodes,
-) -> Films {
+pub(in crate::solve) fn films(case: &Case, of: Displacements<'_>, nodes: &Nodes) -> Films {
+    let Displacements { mesh, all, sides } = of;
     let local = |name: u64| nodes.local(name).expect("the corners of a film are held");
     let mut films = Films::default();
     let mut sizes: Vec<([f64; 2], Shape)> = Vec::new();
@@ -146,7 +137,7 @@ pub(in crate::solve) fn films(
             });
         }
     }
-    for (secondary, corners) in film_nodes(case, sides, (mesh, all)) {
+    for (secondary, corners) in film_nodes(case, of) {
         let corners = corners.into_iter().map(|(name, part)| (local(name), part)).collect();
         films.nodes.push(FilmNode { secondary, corners });
     }

@@ -10,12 +10,13 @@ pub(in crate::solve) mod coupled;
 mod coupled_factors;
 mod films;
 mod pace;
-mod pressures;
+pub(in crate::solve) mod pressures;
 pub(in crate::solve) mod setup;
 
 pub use coupled::Coupling;
 
 pub use balance::FluidBalance;
+pub use pace::{NextStep, Pace};
 
 use std::rc::Rc;
 
@@ -24,10 +25,9 @@ use crate::assembly::{Discretization, PoreSpace};
 use crate::bulk::{FlowStep, Loads};
 use crate::comm::Comm;
 use crate::error::Result;
-use crate::solve::problem::convergence::{is_rounding, rounding};
+use crate::solve::problem::measure::{is_rounding, rounding};
 use crate::space::PrescribedPressure;
-use balance::Contents;
-use pace::Pace;
+use balance::{Contents, NodalBalance};
 
 /// Fluid that comes in from outside.
 pub struct Source {
@@ -94,20 +94,49 @@ pub struct Flow {
     pub into_sides: Vec<[f64; 2]>,
 }
 
+/// What [`Flow`] is made of, every part by a stage of its own; as there.
+pub struct FlowParts {
+    /// Nodes and cells.
+    pub space: Rc<PoreSpace>,
+    /// Where pressures are prescribed.
+    pub prescribed: PrescribedPressure,
+    /// Through the surfaces of the porous cells.
+    pub inflow: Source,
+    /// Into the films.
+    pub injection: Source,
+    /// Density of the fluid at the reference pressure (kg/m3).
+    pub density: f64,
+    /// Pressure over its unknown (Pa/m).
+    pub scale: f64,
+    /// The first step, of no length yet.
+    pub step: FlowStep,
+    /// The lengths of the steps, where they follow from their error.
+    pub pace: Option<Pace>,
+    /// Longest step (s) in which the pressure of some cell would oscillate: of cells of first and
+    /// second order.
+    pub bounds: [f64; 2],
+    /// Interfaces of the case.
+    pub interfaces: usize,
+    /// Pressures of all local nodes at the start (Pa).
+    pub initial: Vec<f64>,
+}
+
 impl Flow {
-    /// The initial pressures of all local nodes are `initial`.
-    #[allow(clippy::too_many_arguments)] // every part is built by a stage of its own
-    pub fn new(
-        space: Rc<PoreSpace>,
-        prescribed: PrescribedPressure,
-        [inflow, injection]: [Source; 2],
-        density: f64,
-        step: FlowStep,
-        scale: f64,
-        (pace, bounds): (Option<Pace>, [f64; 2]),
-        interfaces: usize,
-        initial: Vec<f64>,
-    ) -> Self {
+    /// At the start.
+    pub fn new(parts: FlowParts) -> Self {
+        let FlowParts {
+            space,
+            prescribed,
+            inflow,
+            injection,
+            density,
+            scale,
+            step,
+            pace,
+            bounds,
+            interfaces,
+            initial,
+        } = parts;
         let none = || vec![0.0; space.nodes.len()];
         let side = |(node, marks)| {
             let (interface, lip) = prescribed.lip_of(marks)?;
@@ -222,18 +251,20 @@ impl Flow {
         self.space.add_forces(all, &self.pressure, true, force);
     }
 
-    /// The residual of the last state: of what is missing at each owned node, in the unit of a
-    /// force (N). `known` are displacements that the linear solve does not find. Returns how much
+    /// The residual of the last state, with displacements `u`: of what is missing at each owned
+    /// node, in the unit of a force (N). `known` are displacements that the linear solve does not
+    /// find. Returns how much
     /// is missing at most over the largest magnitude, and how much of that rounding may be.
     /// Collective.
     pub fn residual(
         &mut self,
         comm: &Comm,
         all: &Discretization,
-        (u, known): (&[f64], &[f64]),
+        u: &[f64],
+        known: &[f64],
         f: &mut [f64],
     ) -> [f64; 2] {
-        let [mut rows, mut sizes] = self.rows(all, u);
+        let NodalBalance { mut rows, mut sizes } = self.nodal_balance(all, u);
         self.space.fold(&mut rows);
         self.space.sum(&mut sizes);
         let largest = |of: &[f64]| {
@@ -295,12 +326,13 @@ impl Flow {
     }
 
     /// Goes on from an accepted state of an earlier run: the pressures of owned nodes, the accounts
-    /// and the scale. Collective.
+    /// and the largest magnitude of the balance (m3). Collective.
     pub fn resume(
         &mut self,
         problem: &Problem<'_>,
         owned: &[f64],
-        (balance, scale): (FluidBalance, f64),
+        balance: FluidBalance,
+        scale: f64,
     ) {
         self.pressure[..owned.len()].copy_from_slice(owned);
         self.space.nodes.update_ghosts(&mut self.pressure, 1);

@@ -15,16 +15,28 @@ pub struct Pace {
     /// Length of the first step after a jump of the load (s).
     first: f64,
     /// Length of the next step (s).
-    pub next: f64,
+    next: f64,
     /// Change of the pressure of owned nodes in the last step (Pa/s); none before two steps after a
     /// jump, since the first one has the jump itself in it.
     pub rate: Option<Vec<f64>>,
     /// Whether the next step is the first one after a jump.
-    pub is_jump: bool,
+    is_jump: bool,
     /// Largest pressure so far (Pa).
     pub largest: f64,
     /// Error of the last step over the tolerance.
     excess: f64,
+}
+
+/// How long the next step is, by how many there were since a jump of the load.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum NextStep {
+    /// As long as the first one after each jump.
+    #[default]
+    First,
+    /// The second one, of this length (s): the change of the pressure in the first says nothing.
+    Second(f64),
+    /// A later one, of this length (s).
+    Later(f64),
 }
 
 impl Pace {
@@ -36,6 +48,25 @@ impl Pace {
     /// What follows is not smooth with what was before. Local.
     pub fn jump(&mut self) {
         (self.rate, self.next, self.is_jump) = (None, self.first, true);
+    }
+
+    /// The length of the next step.
+    pub fn next_step(&self) -> NextStep {
+        match (self.is_jump, &self.rate) {
+            (true, _) => NextStep::First,
+            (false, None) => NextStep::Second(self.next),
+            (false, Some(_)) => NextStep::Later(self.next),
+        }
+    }
+
+    /// Goes on from a state of an earlier run: its next step, the change of the pressure of owned
+    /// nodes in the last one (Pa/s) and the largest pressure (Pa). Local.
+    pub fn resume(&mut self, next: NextStep, rate: Vec<f64>, largest: f64) {
+        self.largest = largest;
+        if let NextStep::Second(length) | NextStep::Later(length) = next {
+            (self.next, self.is_jump) = (length, false);
+            self.rate = matches!(next, NextStep::Later(_)).then_some(rate);
+        }
     }
 
     /// Whether the step of this length from the pressures `before` to `after`, of owned nodes, is

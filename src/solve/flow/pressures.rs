@@ -1,5 +1,9 @@
-//! The nodes of the pore pressure.
+//! The nodes of the pore pressure, and those of the displacements that it acts on.
 
+use std::rc::Rc;
+
+use crate::assembly::Discretization;
+use crate::interface::Sides;
 use crate::mesh::LocalMesh;
 use crate::space::PrescribedPressure;
 
@@ -9,4 +13,15 @@ pub(in crate::solve) struct Pressures<'a> {
     pub corners: &'a LocalMesh,
     /// What the case prescribes.
     pub prescribed: &'a PrescribedPressure,
+}
+
+/// The discretisation of the displacements.
+#[derive(Clone, Copy)]
+pub struct Displacements<'a> {
+    /// The cells of this rank.
+    pub mesh: &'a LocalMesh,
+    /// Cells, nodes, rows.
+    pub all: &'a Rc<Discretization>,
+    /// The sides of the interfaces.
+    pub sides: &'a [Sides],
 }

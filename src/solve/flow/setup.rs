@@ -9,15 +9,14 @@ use super::coupled::Coupling;
 use super::coupled_factors::CoupledFactors;
 use super::films::{films, further_nodes, tie_rows, ties};
 use super::pace::Pace;
-use super::pressures::Pressures;
-use super::{Flow, Source};
+use super::pressures::{Displacements, Pressures};
+use super::{Flow, FlowParts, Source};
 use crate::assembly::{CoupledMatrix, Discretization, PoreCell, PoreSpace, TangentOperator};
 use crate::bulk::{FlowStep, Loads, MAX_CORNERS, PorousCell, PorousMedium};
 use crate::case::{Case, FlowSpec};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
-use crate::interface::Sides;
-use crate::mesh::{LocalMesh, axes};
+use crate::mesh::{LocalMesh, Prototype, axes};
 use crate::petsc::{KspSetup, Matrix, Snes};
 use crate::runtime::Runtime;
 use crate::solve::problem::KnownPressure;
@@ -79,10 +78,17 @@ pub struct Coupled {
     pub rows: usize,
 }
 
+/// The solver of the displacements alone.
+pub struct Mechanics {
+    /// Becomes a block of the preconditioner.
+    pub snes: Snes,
+    /// What it has for its matrix.
+    pub tangent: Rc<TangentOperator>,
+}
+
 /// Adds the pore pressure to a mechanical problem, whose solver becomes a block of the
-/// preconditioner.
-/// With `eliminate`, its options of elimination, both fields are eliminated together, but for
-/// films. Collective.
+/// preconditioner. With `eliminate`, its options of elimination, both fields are eliminated
+/// together, but for films. Collective.
 ///
 /// # Errors
 /// `Input` when pressures disagree or a formula gives no finite number; `System` when PETSc fails.
@@ -90,49 +96,28 @@ pub fn couple(
     runtime: &Runtime,
     case: &Case,
     flow: &FlowSpec,
-    (mesh, all, sides): (&LocalMesh, &Rc<Discretization>, &[Sides]),
-    (mechanics, tangent): (Snes, Rc<TangentOperator>),
+    of: Displacements<'_>,
+    mechanics: Mechanics,
     eliminate: Option<&KspSetup>,
 ) -> Result<Coupled> {
     let (comm, petsc, dim) = (&runtime.comm, &runtime.petsc, case.dim);
+    let Displacements { mesh, all, .. } = of;
     let corners = mesh.corners();
     let prescribed = PrescribedPressure::new(case);
     let pressures = Pressures { corners: &corners, prescribed: &prescribed };
-    let space = Rc::new(pore_space(comm, case, (mesh, all, sides), &pressures)?);
+    let space = Rc::new(pore_space(comm, case, of, &pressures)?);
     AtNode::agree(comm, prescribed.check(space.nodes.iter_owned(), &case.load_times()))?;
     let [inflow, injection] = [Loads::inflow(case, &corners), Loads::injection(case, &corners)];
     comm.agree([&inflow, &injection].iter().try_for_each(|of| of.check(&case.load_times())))?;
-    let sources = [inflow, injection].map(|rate| Source::new(rate, space.nodes.len()));
+    let [inflow, injection] = [inflow, injection].map(|rate| Source::new(rate, space.nodes.len()));
     let mut initial = AtNode::agree(comm, initial(case, flow, &space))?;
     space.follow(&mut initial);
 
-    let stiffest = |p: &crate::mesh::Prototype| {
-        let edges = axes(dim).iter().map(|axis| p.size[*axis]);
-        case.materials[p.material].young_modulus / edges.fold(0.0, f64::max)
-    };
-    let mut scale = [mesh.prototypes.iter().map(stiffest).fold(0.0, f64::max)];
-    comm.max(&mut scale);
-    let solve = match eliminate.filter(|_| space.has_unknowns(comm) && !space.films.are_there()) {
-        Some(setup) => {
-            let numbers = CoupledMatrix::new(comm, all, &space);
-            let matrix = numbers.matrix(comm, petsc, all, &space)?;
-            let solver = Snes::new(petsc, WHOLE, matrix, setup)?;
-            CoupledSolve::Eliminated(RefCell::new(CoupledFactors::new(
-                numbers,
-                Block::new(petsc, solver)?,
-            )))
-        }
-        None => {
-            let matrix = space.matrix(comm, petsc)?;
-            let second = mesh.facts.order == 2;
-            let multigrid = [MULTIGRID, if second { &[SWEEPS] } else { &[] }].concat();
-            let options = if space.nodes.total <= FEW { ELIMINATION } else { &multigrid };
-            let solver = Snes::new(petsc, FLOW, matrix, &KspSetup::new(options))?;
-            CoupledSolve::Split(RefCell::new(Block::new(petsc, solver)?))
-        }
-    };
-    let solvers = (mechanics, solve);
-    let blocks = Blocks::new(comm, petsc, solvers, tangent, Rc::clone(&space), scale[0])?;
+    let scale = stiffest(comm, case, mesh);
+    let eliminate = eliminate.filter(|_| space.has_unknowns(comm) && !space.films.are_there());
+    let solve = coupled_solve(runtime, of, &space, eliminate)?;
+    let pores = Rc::clone(&space);
+    let blocks = Blocks::new(comm, petsc, mechanics.snes, solve, mechanics.tangent, pores, scale)?;
     let (blocks, rows) = (Rc::new(blocks), all.nodes.owned * dim + space.nodes.owned);
     let (operator, preconditioner) = operators(&blocks);
     let matrix = Matrix::shell(petsc, rows, rows, 1, operator)?;
@@ -140,32 +125,84 @@ pub fn couple(
     let mut snes = Snes::new(petsc, "", matrix, &KspSetup::new(options))?;
     snes.precondition_by(preconditioner)?;
 
+    let Steps { shortest, bounds } = steps(comm, &space, flow.theta);
+    let pace = flow.tolerance.map(|tolerance| Pace::new(tolerance, FIRST * shortest));
+    let density = case.materials.iter().find_map(|m| Some(m.porous.as_ref()?.fluid_density));
+    let mut gravity = [0.0; 3];
+    axes(dim).iter().enumerate().for_each(|(c, axis)| gravity[c] = case.gravity[*axis]);
+    let flow = Flow::new(FlowParts {
+        space,
+        prescribed,
+        inflow,
+        injection,
+        density: density.unwrap_or(1.0),
+        scale,
+        step: FlowStep { length: 0.0, theta: flow.theta, gravity, lumped: flow.lumped },
+        pace,
+        bounds,
+        interfaces: case.interfaces.len(),
+        initial,
+    });
+    Ok(Coupled { snes, coupling: Coupling::new(flow, blocks), rows })
+}
+
+/// The stiffness that scales the pressures: the largest modulus over the longest edge of its cells
+/// (Pa/m). Collective.
+fn stiffest(comm: &Comm, case: &Case, mesh: &LocalMesh) -> f64 {
+    let of = |p: &Prototype| {
+        let edges = axes(case.dim).iter().map(|axis| p.size[*axis]);
+        case.materials[p.material].young_modulus / edges.fold(0.0, f64::max)
+    };
+    let mut largest = [mesh.prototypes.iter().map(of).fold(0.0, f64::max)];
+    comm.max(&mut largest);
+    largest[0]
+}
+
+/// The part of the preconditioner that concerns the pressure; with `eliminate` that of both fields.
+/// Collective.
+fn coupled_solve(
+    runtime: &Runtime,
+    of: Displacements<'_>,
+    space: &PoreSpace,
+    eliminate: Option<&KspSetup>,
+) -> Result<CoupledSolve> {
+    let (comm, petsc) = (&runtime.comm, &runtime.petsc);
+    let Some(setup) = eliminate else {
+        let matrix = space.matrix(comm, petsc)?;
+        let second = of.mesh.facts.order == 2;
+        let multigrid = [MULTIGRID, if second { &[SWEEPS] } else { &[] }].concat();
+        let options = if space.nodes.total <= FEW { ELIMINATION } else { &multigrid };
+        let solver = Snes::new(petsc, FLOW, matrix, &KspSetup::new(options))?;
+        return Ok(CoupledSolve::Split(RefCell::new(Block::new(petsc, solver)?)));
+    };
+    let numbers = CoupledMatrix::new(comm, of.all, space);
+    let matrix = numbers.matrix(comm, petsc, of.all, space)?;
+    let block = Block::new(petsc, Snes::new(petsc, WHOLE, matrix, setup)?)?;
+    Ok(CoupledSolve::Eliminated(RefCell::new(CoupledFactors::new(numbers, block))))
+}
+
+/// Lengths of steps (s).
+struct Steps {
+    /// The shortest that does not oscillate along the shortest edge of a cell.
+    shortest: f64,
+    /// The longest in which the pressure of some cell would oscillate: of cells that are held back
+    /// then, and of others.
+    bounds: [f64; 2],
+}
+
+/// The lengths of steps that matter for the cells of all ranks. Collective.
+fn steps(comm: &Comm, space: &PoreSpace, theta: f64) -> Steps {
     let mut bounds = [0.0_f64; 3];
     let mut shortest = f64::INFINITY;
     for cell in &space.prototypes {
-        let [least, bound] = cell.shortest_steps(flow.theta);
+        let [least, bound] = cell.shortest_steps(theta);
         let of = if cell.is_held_back() { 0 } else { 1 };
         bounds[of] = bounds[of].max(bound);
         shortest = shortest.min(least);
     }
     bounds[2] = -shortest;
     comm.max(&mut bounds);
-    let pace = flow.tolerance.map(|tolerance| Pace::new(tolerance, FIRST * -bounds[2]));
-    let density = case.materials.iter().find_map(|m| Some(m.porous.as_ref()?.fluid_density));
-    let mut gravity = [0.0; 3];
-    axes(dim).iter().enumerate().for_each(|(c, axis)| gravity[c] = case.gravity[*axis]);
-    let flow = Flow::new(
-        space,
-        prescribed,
-        sources,
-        density.unwrap_or(1.0),
-        FlowStep { length: 0.0, theta: flow.theta, gravity, lumped: flow.lumped },
-        scale[0],
-        (pace, [bounds[0], bounds[1]]),
-        case.interfaces.len(),
-        initial,
-    );
-    Ok(Coupled { snes, coupling: Coupling::new(flow, blocks), rows })
+    Steps { shortest: -bounds[2], bounds: [bounds[0], bounds[1]] }
 }
 
 /// The pressure that is a load, where there is one. Collective.
@@ -175,7 +212,8 @@ pub fn couple(
 pub fn known_pressure(
     comm: &Comm,
     case: &Case,
-    (mesh, all): (&LocalMesh, &Discretization),
+    mesh: &LocalMesh,
+    all: &Rc<Discretization>,
 ) -> Result<Option<KnownPressure>> {
     if !case.pressure_is_load {
         return Ok(None);
@@ -183,7 +221,7 @@ pub fn known_pressure(
     let corners = mesh.corners();
     let prescribed = PrescribedPressure::new(case);
     let pressures = Pressures { corners: &corners, prescribed: &prescribed };
-    let space = pore_space(comm, case, (mesh, all, &[]), &pressures)?;
+    let space = pore_space(comm, case, Displacements { mesh, all, sides: &[] }, &pressures)?;
     KnownPressure::new(comm, space, prescribed, &case.load_times()).map(Some)
 }
 
@@ -194,10 +232,10 @@ pub fn known_pressure(
 fn pore_space(
     comm: &Comm,
     case: &Case,
-    (mesh, all, sides): (&LocalMesh, &Discretization, &[Sides]),
+    of: Displacements<'_>,
     pressures: &Pressures<'_>,
 ) -> Result<PoreSpace> {
-    let dim = case.dim;
+    let (dim, Displacements { mesh, sides, .. }) = (case.dim, of);
     let Pressures { corners, prescribed } = pressures;
     let mut index = vec![None; mesh.prototypes.len()];
     let mut prototypes = Vec::new();
@@ -219,7 +257,7 @@ fn pore_space(
     touched.dedup();
     let directory = Directory::new(comm, mesh.facts.nodes, &touched);
     let rows = tie_rows(comm, case, sides, pressures, &directory)?;
-    touched.extend(further_nodes(case, sides, (mesh, all), &rows));
+    touched.extend(further_nodes(case, of, &rows));
     let nodes = Nodes::new(comm, &directory, &touched, &corners.nodes)?;
     let cells = porous.iter().map(|(cell, prototype)| {
         let mut of = [0; MAX_CORNERS];
@@ -230,7 +268,7 @@ fn pore_space(
     });
     let cells = cells.collect();
     let (ties, tie_of) = ties(&rows, &nodes);
-    let films = films(case, sides, (mesh, all), &nodes);
+    let films = films(case, of, &nodes);
     Ok(PoreSpace {
         dim,
         cells,

@@ -158,9 +158,7 @@ impl<'a> Start<'a> {
             for c in 0..dim {
                 let Some(row) = &rows.rows[c] else { continue };
                 let own = rows.node as usize * dim + c;
-                let others: f64 =
-                    row.others.iter().map(|(n, a)| a * kept.v[*n as usize * dim + c]).sum();
-                let w = row.own * kept.v[own] + others;
+                let w = row.trace(rows.node, |node| kept.v[node as usize * dim + c]);
                 if response.state.stuck[c] {
                     if w != 0.0 {
                         change.push((own, -w / row.own));

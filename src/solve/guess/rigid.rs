@@ -170,7 +170,7 @@ impl RigidMotions {
             let mut jumps = vec![[0.0; 3]; size];
             for c in 0..dim {
                 let Some(row) = &rows.rows[c] else { continue };
-                for (node, a) in row.others.iter().copied().chain([(rows.node, row.own)]) {
+                for (node, a) in row.coefficients(rows.node) {
                     if all.prescribed[node as usize][c] {
                         continue;
                     }

@@ -67,7 +67,7 @@ pub(in crate::solve) fn discretize(
         let node = mesh.nodes.number(name).expect("a node of the rank's own cell");
         prescribed.components_of(&mesh.nodes.marks[node])
     };
-    let rows = jump_rows(comm, mesh, sides, (case.dim, &fixed), &directory)?;
+    let rows = jump_rows(comm, mesh, sides, case.dim, &fixed, &directory)?;
     let mut needed = names.clone();
     needed.extend(
         rows.iter()

@@ -89,7 +89,7 @@ impl NodeLaw<'_> {
     }
 
     /// As [`InterfaceLaw::dissipated_after`], from what was dissipated before and the history then.
-    pub fn dissipated_after(&self, (before, from): (f64, f64), to: f64, jump: Local) -> f64 {
+    pub fn dissipated_after(&self, before: f64, from: f64, to: f64, jump: Local) -> f64 {
         let f = self.factor;
         f * self.law.dissipated_after(before / f, from, to, jump)
     }
@@ -199,10 +199,8 @@ impl InterfaceState {
             let (mut traction, mut jump) = ([0.0; 3], [0.0; 3]);
             for c in 0..dim {
                 if let Some(row) = &rows.rows[c] {
-                    let at = |node: u32| u[node as usize * dim + c];
                     traction[c] = given(index, c, row);
-                    jump[c] = row.own * at(rows.node)
-                        + row.others.iter().map(|(n, a)| a * at(*n)).sum::<f64>();
+                    jump[c] = row.trace(rows.node, |node| u[node as usize * dim + c]);
                 }
             }
             let (damping, from) = match &self.damping {
@@ -226,8 +224,8 @@ impl InterfaceState {
                 }
             }
             let shift = p.map(|p| (part - 1.0) * p);
-            self.response[index] =
-                combine(rows, (traction, shift), jump, &answer, augmentation, dim);
+            let asked = Asked { traction, jump, shift };
+            self.response[index] = combine(rows, &asked, &answer, augmentation, dim);
         }
     }
 
@@ -244,10 +242,9 @@ impl InterfaceState {
             let p = self.base[index].map(|p| self.overstress * p);
             let answer = law.respond(to_local(p, self.dim), 0.0, self.committed[index], self.dim);
             let shift = std::array::from_fn(|c| p[c] - here[c]);
-            let NodeResponse { bulk_traction, jump, .. } = self.response[index];
-            let traction = (bulk_traction, shift);
-            self.response[index] =
-                combine(rows, traction, jump, &answer, law.augmentation(), self.dim);
+            let NodeResponse { bulk_traction: traction, jump, .. } = self.response[index];
+            let asked = Asked { traction, jump, shift };
+            self.response[index] = combine(rows, &asked, &answer, law.augmentation(), self.dim);
         }
     }
 
@@ -298,9 +295,9 @@ impl InterfaceState {
     pub fn commit(&mut self, all: &Discretization) {
         for index in 0..self.response.len() {
             let (jump, to) = (self.response[index].jump, self.response[index].history);
-            let before = (self.dissipated[index], self.committed[index]);
-            let law = self.law_at(index, &all.secondary[index]);
-            self.dissipated[index] = law.dissipated_after(before, to, to_local(jump, self.dim));
+            let (before, from) = (self.dissipated[index], self.committed[index]);
+            let (law, jump) = (self.law_at(index, &all.secondary[index]), to_local(jump, self.dim));
+            self.dissipated[index] = law.dissipated_after(before, from, to, jump);
             self.committed[index] = to;
         }
         self.take_tractions(all);
@@ -318,16 +315,26 @@ fn is_broken(branch: Branch) -> bool {
     matches!(branch, Branch::Broken | Branch::BrokenClosed)
 }
 
+/// What a law answered to, by displacement component.
+struct Asked {
+    /// Traction that the bulk transmits (Pa).
+    traction: [f64; 3],
+    /// Jump of the displacement (m).
+    jump: [f64; 3],
+    /// Augmented traction at which the law answered, less that of traction and jump (Pa).
+    shift: [f64; 3],
+}
+
 /// Puts the law's answer into displacement components; components without a multiplier take no
-/// part. The law answered to a traction that had a `shift` from that of the bulk (Pa).
+/// part.
 fn combine(
     rows: &JumpRows<u32>,
-    (traction, shift): ([f64; 3], [f64; 3]),
-    jump: [f64; 3],
+    asked: &Asked,
     answer: &Response,
     augmentation: f64,
     dim: usize,
 ) -> NodeResponse {
+    let Asked { traction, jump, shift } = *asked;
     let (mut defect, mut law_traction) = ([0.0; 3], [0.0; 3]);
     let mut state = NodeState { stuck: [false; 3], jump: [false; 3], tangent: [[0.0; 3]; 3] };
     let mut compliance = [[0.0; 3]; 3];

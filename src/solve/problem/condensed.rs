@@ -38,9 +38,7 @@ pub fn fold(comm: &Comm, all: &Discretization, interfaces: &InterfaceState, f: &
         for c in (0..dim).filter(|c| response.state.jump[*c]) {
             let Some(row) = &rows.rows[c] else { continue };
             let force = -f[rows.node as usize * dim + c] / row.own;
-            for (node, a) in &row.others {
-                carried[*node as usize * dim + c] += a * force;
-            }
+            row.spread_to_others(force, |node, f| carried[node as usize * dim + c] += f);
         }
     }
     all.nodes.add_to_owners(&mut carried, dim);
@@ -59,8 +57,7 @@ pub fn follow(all: &Discretization, interfaces: &InterfaceState, correction: &mu
             if let Some(row) = &rows.rows[c]
                 && (response.state.stuck[c] || response.state.jump[c])
             {
-                let followed: f64 =
-                    row.others.iter().map(|(n, a)| a * y[*n as usize * dim + c]).sum();
+                let followed = row.trace_of_others(|node| y[node as usize * dim + c]);
                 correction[rows.node as usize * dim + c] -= followed / row.own;
             }
         }
@@ -77,7 +74,7 @@ pub fn to_unknowns(all: &Discretization, interfaces: &InterfaceState, correction
     for (rows, response) in all.secondary.iter().zip(&interfaces.response) {
         for c in (0..dim).filter(|c| response.state.jump[*c]) {
             let Some(row) = &rows.rows[c] else { continue };
-            let followed: f64 = row.others.iter().map(|(n, a)| a * y[*n as usize * dim + c]).sum();
+            let followed = row.trace_of_others(|node| y[node as usize * dim + c]);
             correction[rows.node as usize * dim + c] += followed / row.own;
         }
     }

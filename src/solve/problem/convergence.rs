@@ -1,5 +1,7 @@
 //! When a state is a solution, and why it is not.
 
+use super::cycles::{Cycle, Cycles};
+use super::measure::{Measure, Scales, Worst, is_rounding};
 use crate::assembly::Discretization;
 use crate::comm::Comm;
 use crate::error::{Error, Result};
@@ -10,93 +12,17 @@ use crate::signals;
 use crate::solve::model::interfaces::InterfaceState;
 use std::time::Duration;
 
-/// Longest period of a branch cycle that is recognised.
-const LONGEST_CYCLE: usize = 4;
-
-/// After so many cycles of the branches in one solve a smaller step is cheaper.
-const MOST_CYCLES: i32 = 3;
-
-/// The largest of some nodal values, and where it is.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Worst {
-    value: f64,
-    node: u64,
-    not_a_number: bool,
-}
-
-impl Worst {
-    /// Takes a value into account.
-    pub fn see(&mut self, value: f64, node: u64) {
-        if !value.is_finite() && !self.not_a_number {
-            *self = Self { value: f64::INFINITY, node, not_a_number: true };
-        } else if value > self.value {
-            (self.value, self.node) = (value, node);
-        }
-    }
-
-    /// The largest over all ranks (the lowest rank's if several are equal). Collective.
-    fn over_ranks(self, comm: &Comm) -> Self {
-        let mine = [self.value.to_bits(), self.node, u64::from(self.not_a_number)];
-        let all = comm.exchange(&vec![mine.to_vec(); comm.size() as usize]);
-        let read = |w: &Vec<u64>| Self {
-            value: f64::from_bits(w[0]),
-            node: w[1],
-            not_a_number: w[2] != 0,
-        };
-        all.iter().map(read).reduce(|a, b| if b.value > a.value { b } else { a }).unwrap_or(self)
-    }
-}
-
-/// Forces cancel to this many units in the last place of the largest of them.
-const UNITS: f64 = 32.0;
-/// Where the largest force is no more than this many times the rounding, none acts.
-const MEANINGLESS: f64 = 1e3;
-
-/// What rounding may leave of parts that cancel, of size `cancelling` at most.
-pub fn rounding(cancelling: f64) -> f64 {
-    UNITS * f64::EPSILON * cancelling
-}
-
-/// Whether what is missing in a balance, at most, is no more than what rounding leaves of parts
-/// that cancel, of size `cancelling` at most, beside which its largest part `scale` is nothing
-/// either.
-pub fn is_rounding(missing: f64, scale: f64, cancelling: f64) -> bool {
-    let rounding = rounding(cancelling);
-    missing <= rounding && scale <= MEANINGLESS * rounding
-}
-
-/// How large what makes up a state is at its nodes, at most.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Scales {
-    /// Sum of the lengths of the forces of cells and loads at a node (N).
-    pub force: f64,
-    /// Displacement (m).
-    pub displacement: f64,
-    /// Stiffness times displacement of a node (N): what cancels where bodies move as wholes and no
-    /// force acts, but for rounding.
-    cancelling: f64,
-}
-
-impl Scales {
-    /// Takes a node into account: its force (N), displacement (m) and stiffness (N/m).
-    pub fn see(&mut self, force: f64, u: &[f64], stiffness: f64) {
-        let largest = u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
-        self.force = self.force.max(force);
-        self.displacement = self.displacement.max(largest);
-        self.cancelling = self.cancelling.max(stiffness * largest);
-    }
-}
-
-/// Errors of a state.
-struct Measure {
-    /// Largest out-of-balance force (N).
-    worst: Worst,
-    /// Largest error of the jump of each interface, over its scale.
-    defect: Vec<Worst>,
-    /// `worst` over the force scale.
-    out_of_balance: f64,
-    /// Largest of `defect`.
-    largest: f64,
+/// What is judged of a state beside the answers of the laws.
+pub struct Iterate {
+    /// Those that led to it in this solve.
+    pub corrections: usize,
+    /// 2-norm of the residual.
+    pub norm: f64,
+    /// Largest out-of-balance nodal force of this rank (N).
+    pub worst: Worst,
+    /// How far what the load factor follows from is from its value, or how much is missing in the
+    /// balance of the fluid, over its scale.
+    pub control: f64,
 }
 
 /// Convergence test: field by field, with scales that do not vanish when every force does.
@@ -110,11 +36,8 @@ pub struct Convergence {
     accepted: [f64; 2],
     /// Those of the last evaluated state.
     current: Scales,
-    signatures: Vec<u64>,
-    /// How much of a correction is taken: less from a cycle of the branches on, until they stay.
-    pub part_of_step: f64,
-    /// Cycles of the running solve.
-    cycles: i32,
+    /// The branches in the states of the running solve.
+    cycles: Cycles,
     /// For each state of the running solve and each interface, whether a node of this rank holds.
     holds: Vec<f64>,
     /// Lowest node of this rank that softened in a state of the running solve, and its interface.
@@ -135,9 +58,7 @@ impl Convergence {
             other: "",
             accepted: [0.0; 2],
             current: Scales::default(),
-            signatures: Vec::new(),
-            part_of_step: 1.0,
-            cycles: 0,
+            cycles: Cycles::new(),
             holds: Vec::new(),
             softening: None,
             failure: None,
@@ -167,6 +88,11 @@ impl Convergence {
         first.err().map(|place| place.to_string())
     }
 
+    /// How much of a correction is taken: less from a cycle of the branches on, until they stay.
+    pub fn part_of_step(&self) -> f64 {
+        self.cycles.part_of_step()
+    }
+
     /// The scales of the last evaluated state.
     pub fn current(&self) -> Scales {
         self.current
@@ -194,8 +120,7 @@ impl Convergence {
 
     /// Starts a step.
     pub fn start(&mut self) {
-        self.signatures.clear();
-        (self.part_of_step, self.cycles) = (1.0, 0);
+        self.cycles = Cycles::new();
         self.holds.clear();
         self.softening = None;
         self.failure = None;
@@ -216,7 +141,7 @@ impl Convergence {
     }
 
     /// How far the last evaluated state is from a solution, over the tolerance; not finite where it
-    /// makes no sense. `worst` as in [`Convergence::judge`]. Collective.
+    /// makes no sense. `worst` as in [`Iterate`]. Collective.
     pub fn excess(
         &self,
         comm: &Comm,
@@ -261,19 +186,67 @@ impl Convergence {
         Measure { worst, defect, out_of_balance, largest }
     }
 
-    /// The verdict on a state: `worst` is the largest out-of-balance nodal force (N), `control` how
-    /// far what the load factor follows from is from its value, over its scale. Collective.
-    #[allow(clippy::too_many_arguments)] // the parts of a state
+    /// The verdict on the last evaluated state. Collective.
     pub fn judge(
         &mut self,
         comm: &Comm,
         all: &Discretization,
         interfaces: &InterfaceState,
-        iteration: usize,
-        norm: f64,
-        worst: Worst,
-        control: f64,
+        iterate: Iterate,
     ) -> Result<Verdict> {
+        let branches = self.see_branches(all, interfaces);
+        let Iterate { corrections, norm, worst, control } = iterate;
+        let errors = self.measure(comm, all, interfaces, worst);
+        let Measure { out_of_balance, largest, .. } = errors;
+        let broken = errors.not_a_number();
+        if broken.is_some() || !norm.is_finite() {
+            let node = broken.unwrap_or(errors.worst.node);
+            let place = all.nodes.place_in_words(comm, node);
+            self.failure = Some(format!("a force is not a number {place}"));
+            return Ok(Verdict::Diverged);
+        }
+        tracing::debug!(
+            target: "newton",
+            "  correction {corrections:3}  out of balance {out_of_balance:9.3e}  jumps {largest:9.3e}  \
+             other {control:9.3e}"
+        );
+        if out_of_balance.max(largest).max(control) <= self.tolerance {
+            return Ok(Verdict::Converged);
+        }
+        if let Some(signal) = signals::stop(comm, Duration::ZERO) {
+            self.failure = Some(format!("stopped by {signal}"));
+            return Ok(Verdict::Diverged);
+        }
+        // On a path the load factor may cycle while the branches stay.
+        let on_path = if control > 0.0 { (1e3 * control.ln()).round().to_bits() } else { 0 };
+        match self.cycles.see(comm.sum_u64(branches) ^ mix(on_path)) {
+            Cycle::Damped(period) => {
+                let part = self.part_of_step();
+                tracing::debug!(
+                    target: "newton",
+                    "  the branches cycle with period {period}: {part} of each correction until \
+                     they stay"
+                );
+            }
+            Cycle::Endless(period) => {
+                self.failure = Some(format!(
+                    "Newton's method cycles between {period} states of the interfaces \
+                     ({corrections} corrections, out of balance {out_of_balance:.1e})"
+                ));
+                return Ok(Verdict::Diverged);
+            }
+            Cycle::None if corrections >= self.max_newton => {
+                self.failure = Some(self.exhausted(comm, all, corrections, &errors, control));
+                return Ok(Verdict::Diverged);
+            }
+            Cycle::None => {}
+        }
+        Ok(Verdict::Continue)
+    }
+
+    /// Takes note of the branches at this rank's nodes in the last evaluated state: which
+    /// interfaces hold, and what softens. Returns their signature. Local.
+    fn see_branches(&mut self, all: &Discretization, interfaces: &InterfaceState) -> u64 {
         let (mut signature, mut holds) = (0u64, vec![0.0; interfaces.laws.len()]);
         for (rows, response) in all.secondary.iter().zip(&interfaces.response) {
             let name = all.nodes.names[rows.node as usize];
@@ -287,65 +260,29 @@ impl Convergence {
             }
         }
         self.holds.extend(holds);
-        let Measure { worst, defect, out_of_balance, largest } =
-            self.measure(comm, all, interfaces, worst);
-        if worst.not_a_number || !norm.is_finite() || defect.iter().any(|d| d.not_a_number) {
-            let first = defect.iter().find(|d| d.not_a_number).copied().unwrap_or(worst);
-            let place = all.nodes.place_in_words(comm, first.node);
-            self.failure = Some(format!("a force is not a number {place}"));
-            return Ok(Verdict::Diverged);
-        }
-        tracing::debug!(
-            target: "newton",
-            "  correction {iteration:3}  out of balance {out_of_balance:9.3e}  jumps {largest:9.3e}  \
-             other {control:9.3e}"
-        );
-        if out_of_balance.max(largest).max(control) <= self.tolerance {
-            return Ok(Verdict::Converged);
-        }
-        if let Some(signal) = signals::stop(comm, Duration::ZERO) {
-            self.failure = Some(format!("stopped by {signal}"));
-            return Ok(Verdict::Diverged);
-        }
-        // On a path the load factor may cycle while the branches stay.
-        let on_path = if control > 0.0 { (1e3 * control.ln()).round().to_bits() } else { 0 };
-        let signature = comm.sum_u64(signature) ^ mix(on_path);
-        if self.signatures.last() == Some(&signature) {
-            self.part_of_step = 1.0;
-        }
-        if let Some(period) = self.cycle(signature) {
-            if self.cycles < MOST_CYCLES {
-                self.cycles += 1;
-                self.part_of_step = 0.5_f64.powi(self.cycles);
-                self.signatures.clear();
-                let part = self.part_of_step;
-                tracing::debug!(
-                    target: "newton",
-                    "  the branches cycle with period {period}: {part} of each correction until \
-                     they stay"
-                );
-                return Ok(Verdict::Continue);
-            }
-            self.failure = Some(format!(
-                "Newton's method cycles between {period} states of the interfaces \
-                 ({iteration} corrections, out of balance {out_of_balance:.1e})"
-            ));
-            return Ok(Verdict::Diverged);
-        }
-        if iteration >= self.max_newton {
-            let what = if control > out_of_balance.max(largest) {
-                format!("{} is off by {control:.1e}", self.other)
-            } else {
-                let (node, what) = self.worst_place(worst, &defect, out_of_balance);
-                format!("{what} {}", all.nodes.place_in_words(comm, node))
-            };
-            self.failure = Some(format!(
-                "no convergence in {iteration} corrections (solver.max_newton): {what}; tolerance {:.1e}",
-                self.tolerance
-            ));
-            return Ok(Verdict::Diverged);
-        }
-        Ok(Verdict::Continue)
+        signature
+    }
+
+    /// That the corrections are used up, in words. Collective.
+    fn exhausted(
+        &self,
+        comm: &Comm,
+        all: &Discretization,
+        corrections: usize,
+        errors: &Measure,
+        control: f64,
+    ) -> String {
+        let Measure { worst, defect, out_of_balance, largest } = errors;
+        let what = if control > out_of_balance.max(*largest) {
+            format!("{} is off by {control:.1e}", self.other)
+        } else {
+            let (node, what) = self.worst_place(*worst, defect, *out_of_balance);
+            format!("{what} {}", all.nodes.place_in_words(comm, node))
+        };
+        format!(
+            "no convergence in {corrections} corrections (solver.max_newton): {what}; tolerance {:.1e}",
+            self.tolerance
+        )
     }
 
     /// The node of the largest contribution, and what that is, in words.
@@ -362,16 +299,5 @@ impl Convergence {
         } else {
             (worst.node, format!("the largest out-of-balance force is {force:.1e}"))
         }
-    }
-
-    /// The period, if the last states of the branches repeat twice.
-    fn cycle(&mut self, signature: u64) -> Option<usize> {
-        self.signatures.push(signature);
-        let s = &self.signatures;
-        (2..=LONGEST_CYCLE).find(|period| {
-            s.len() > 2 * period
-                && (0..=*period).all(|i| s[s.len() - 1 - i] == s[s.len() - 1 - i - period])
-                && s[s.len() - 1] != s[s.len() - 2]
-        })
     }
 }

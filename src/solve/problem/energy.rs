@@ -43,8 +43,8 @@ fn held(problem: &Problem<'_>, load: &[f64]) -> [f64; 2] {
         let law = state.law_at(index, rows);
         let weight = rows.law_weight(dim);
         let jump = crate::solve::model::interfaces::to_local(response.jump, dim);
-        let before = (state.dissipated[index], state.committed[index]);
-        dissipated += weight * law.dissipated_after(before, response.history, jump);
+        let (before, from) = (state.dissipated[index], state.committed[index]);
+        dissipated += weight * law.dissipated_after(before, from, response.history, jump);
         stored += weight * law.recoverable(jump, response.history);
     }
     [stored, dissipated]

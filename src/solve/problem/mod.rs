@@ -6,12 +6,15 @@
 
 pub(in crate::solve) mod condensed;
 pub(in crate::solve) mod convergence;
+mod cycles;
 pub(in crate::solve) mod energy;
 mod known_pressure;
+pub(in crate::solve) mod measure;
 mod newton;
 pub(in crate::solve) mod path;
 mod predictor;
 mod reactions;
+mod residual;
 pub(in crate::solve) mod saddle;
 mod unsymmetric;
 
@@ -22,7 +25,7 @@ pub use reactions::reactions;
 
 use std::rc::Rc;
 
-use crate::assembly::{CellSet, Discretization, NodeState, Tangent};
+use crate::assembly::{Discretization, NodeState, Tangent};
 use crate::bulk::Loads;
 use crate::comm::Comm;
 use crate::error::Result;
@@ -34,8 +37,9 @@ use crate::solve::guess::energy_projection::EnergyProjection;
 use crate::solve::guess::rigid::RigidMotions;
 use crate::solve::model::interfaces::InterfaceState;
 use crate::solve::model::linear::LinearTarget;
-use crate::timers::{Phase, Timers};
-use convergence::{Convergence, Scales, Worst};
+use crate::timers::Timers;
+use convergence::{Convergence, Iterate};
+use measure::Worst;
 use path::PathControl;
 
 /// How the tangent of the condensed form is held.
@@ -118,20 +122,45 @@ pub struct Problem<'a> {
     pub pulse: Pulse,
 }
 
+/// What a [`Problem`] is made of, every part by a stage of its own; as there.
+pub struct ProblemParts<'a> {
+    /// The communicator of all collective calls.
+    pub comm: &'a Comm,
+    /// Of the phases of a run.
+    pub timers: &'a Timers,
+    /// Cells, nodes, rows.
+    pub all: Rc<Discretization>,
+    /// Loads on the bulk.
+    pub loads: Loads,
+    /// Laws and history.
+    pub interfaces: InterfaceState,
+    /// How the tangent is formed.
+    pub form: TangentForm,
+    /// Entry of identity rows (N/m).
+    pub diagonal: f64,
+    /// When a state is a solution.
+    pub convergence: Convergence,
+    /// How far linear systems are solved.
+    pub linear: LinearTarget,
+    /// What is known of the whole mesh.
+    pub mesh: MeshFacts,
+}
+
 impl<'a> Problem<'a> {
     /// A problem at rest.
-    #[allow(clippy::too_many_arguments)] // every part is built by a stage of its own
-    pub fn new(
-        comm: &'a Comm,
-        timers: &'a Timers,
-        all: Rc<Discretization>,
-        loads: Loads,
-        interfaces: InterfaceState,
-        (form, diagonal): (TangentForm, f64),
-        convergence: Convergence,
-        linear: LinearTarget,
-        mesh: MeshFacts,
-    ) -> Self {
+    pub fn new(parts: ProblemParts<'a>) -> Self {
+        let ProblemParts {
+            comm,
+            timers,
+            all,
+            loads,
+            interfaces,
+            form,
+            diagonal,
+            convergence,
+            linear,
+            mesh,
+        } = parts;
         let components = all.nodes.len() * all.dim;
         let mut of_all = vec![0.0; components];
         all.cells.add_diagonal(&mut of_all);
@@ -216,46 +245,6 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Forces of the bulk at `x`, and the magnitudes of nodal forces and loads if they are wanted.
-    /// Collective.
-    pub(super) fn evaluate_bulk(&mut self, x: &[f64], with_scales: bool) {
-        let (nodes, dim) = (&self.all.nodes, self.all.dim);
-        self.displacement[..x.len()].copy_from_slice(x);
-        nodes.update_ghosts(&mut self.displacement, dim);
-        self.bulk_force.iter_mut().zip(&self.load).for_each(|(f, l)| *f = -l);
-        self.bulk_force.iter_mut().zip(&self.pore_force).for_each(|(f, p)| *f -= p);
-        let (u, force) = (&self.displacement, &mut self.bulk_force);
-        if !with_scales {
-            self.all.cells.add_forces(CellSet::All, u, force, None);
-            nodes.add_to_owners(force, dim);
-            return;
-        }
-        let mut magnitude = vec![0.0; nodes.len()];
-        self.all.cells.add_forces(CellSet::All, u, force, Some(&mut magnitude));
-        nodes.add_to_owners(force, dim);
-        nodes.add_to_owners(&mut magnitude, 1);
-        // Loads count too: they may leave the bulk without any force of its own.
-        let load = self.applied();
-        for (magnitude, load) in magnitude.iter_mut().zip(load.chunks_exact(dim)) {
-            let length = load.iter().map(|l| l * l).sum::<f64>().sqrt();
-            *magnitude = magnitude.max(length);
-        }
-        let u = self.displacement[..x.len()].chunks_exact(dim);
-        let mut scales = Scales::default();
-        for ((u, force), stiffness) in u.zip(&magnitude).zip(&self.stiffness) {
-            scales.see(*force, u, *stiffness);
-        }
-        self.convergence.see_scales(self.comm, scales);
-    }
-
-    /// Loads and forces of the pore pressure at owned nodes (N). Collective.
-    pub(super) fn applied(&self) -> Vec<f64> {
-        let mut applied = self.load.clone();
-        applied.iter_mut().zip(&self.pore_force).for_each(|(l, p)| *l += p);
-        self.all.nodes.add_to_owners(&mut applied, self.all.dim);
-        applied
-    }
-
     /// States with which the tangent was assembled, for all local secondary nodes. Local.
     pub(super) fn assembled_state(&self) -> &[NodeState] {
         self.assembled_state.as_deref().unwrap_or_default()
@@ -282,8 +271,8 @@ impl<'a> Problem<'a> {
         self.comm.sum(&mut square);
         self.residual_norm = square[0].sqrt();
         let (comm, all) = (self.comm, &self.all);
-        let verdict =
-            self.convergence.judge(comm, all, &self.interfaces, iteration, norm, worst, other)?;
+        let iterate = Iterate { corrections: iteration, norm, worst, control: other };
+        let verdict = self.convergence.judge(comm, all, &self.interfaces, iterate)?;
         (self.judged_norm, self.corrections) = (norm, iteration);
         self.is_skew &= iteration > 0;
         let (smallest, since) = self.stall;
@@ -339,62 +328,6 @@ impl<'a> Problem<'a> {
         for (state, spare) in state.into_iter().zip(&mut self.spare) {
             spare.resize(state.len(), 0.0);
             std::mem::swap(state, spare);
-        }
-    }
-
-    /// The residual at `x`, and the scales of the state if they are wanted. Collective.
-    fn evaluate(&mut self, x: &[f64], f: &mut [f64], with_scales: bool) {
-        let _phase = self.timers.enter(Phase::Assembly);
-        self.evaluate_bulk(x, with_scales);
-        let (all, dim) = (&self.all, self.all.dim);
-        // In equilibrium with the bulk at every iterate.
-        self.interfaces.evaluate(all, &self.displacement, |index, c, row| {
-            let own = all.secondary[index].node as usize * dim + c;
-            -self.bulk_force[own] / (row.weight * row.own)
-        });
-        self.balance_with_laws(f);
-    }
-
-    /// The residual of the condensed form, from the forces of the bulk and the answers of the laws.
-    /// Collective.
-    fn balance_with_laws(&mut self, f: &mut [f64]) {
-        if let TangentForm::Levels(hierarchy) = &self.form {
-            let state = self.interfaces.response.iter_mut().map(|r| &mut r.state);
-            hierarchy.finest().choose_unknowns(state);
-        }
-        let dim = self.all.dim;
-        let (known, known_force) = condensed::known_jumps(&self.all, &self.interfaces);
-        self.known_jumps = known;
-        let (all, response) = (&self.all, &self.interfaces.response);
-        self.balance.fill(0.0);
-        let traction = |index: usize, c: usize| {
-            let (rows, response) = (&all.secondary[index], &response[index]);
-            match &rows.rows[c] {
-                Some(row) if response.state.stuck[c] => {
-                    let own = rows.node as usize * dim + c;
-                    response.law_traction[c] + known_force[own] / (row.weight * row.own)
-                }
-                _ => response.law_traction[c],
-            }
-        };
-        all.add_tractions(traction, &mut self.balance);
-        for (i, value) in f.iter_mut().enumerate() {
-            self.balance[i] += self.bulk_force[i];
-            *value = self.balance[i] - known_force[i];
-        }
-        condensed::fold(self.comm, &self.all, &self.interfaces, f);
-        let (all, dim) = (&self.all, self.all.dim);
-        // Identity rows: nothing to do where prescribed, the known jump where stuck.
-        for node in 0..all.nodes.owned {
-            for c in (0..dim).filter(|c| all.prescribed[node][*c]) {
-                f[node * dim + c] = 0.0;
-            }
-        }
-        for (rows, response) in all.secondary.iter().zip(&self.interfaces.response) {
-            for c in (0..dim).filter(|c| rows.rows[*c].is_some() && response.state.stuck[*c]) {
-                let own = rows.node as usize * dim + c;
-                f[own] = self.diagonal * self.known_jumps[own];
-            }
         }
     }
 }

@@ -87,7 +87,7 @@ impl NonlinearSystem for Problem<'_> {
         self.correct();
         self.set_known(correction);
         self.is_skew = self.add_unsymmetric(correction, self.judged_norm, solve)?;
-        let part = self.convergence.part_of_step;
+        let part = self.convergence.part_of_step();
         let Some(path) = self.path.as_ref().filter(|path| path.follows()) else {
             condensed::follow(&self.all, &self.interfaces, correction);
             self.keep(correction);

@@ -8,8 +8,9 @@ use super::condensed;
 use crate::assembly::{CellSet, Discretization};
 use crate::case::{Control, ControlKind};
 use crate::comm::Comm;
-use crate::law::Branch;
-use crate::solve::model::interfaces::InterfaceState;
+use crate::interface::JumpRows;
+use crate::law::{Branch, InterfaceLaw};
+use crate::solve::model::interfaces::{InterfaceState, NodeResponse};
 
 /// In the first evaluation of a step augmented tractions are taken this much larger: a point that
 /// stands on its threshold then softens on, instead of unloading.
@@ -43,6 +44,7 @@ pub struct PathControl {
 }
 
 /// The quantity at a state: its value, and how it answers to a change of the displacement.
+#[derive(Default)]
 struct Sums {
     /// Area, or energy of full rupture.
     weight: f64,
@@ -235,61 +237,118 @@ impl PathControl {
         corrections: [&[f64]; 2],
         breaks: bool,
     ) -> Sums {
-        let (dim, normal) = (all.dim, all.dim - 1);
-        let law = state.laws[self.control.interface].spec.law();
-        let critical = law.jump_scale().unwrap_or(f64::MAX);
-        let full = law.dissipated(critical);
-        let mut sums = [0.0; 4];
-        let owned = all.secondary[..all.owned_secondary()].iter().zip(&state.response);
-        for (index, (rows, response)) in owned.enumerate() {
+        let dissipation = Dissipation::new(state.laws[self.control.interface].spec.law(), breaks);
+        let mut sums = Sums::default();
+        for (index, rows) in all.secondary[..all.owned_secondary()].iter().enumerate() {
             if rows.interface != self.control.interface || !rows.has_multiplier() {
                 continue;
             }
+            let node = Node { all, state, index, corrections };
             match self.control.kind {
-                ControlKind::Opening(_) => {
-                    let Some(row) = &rows.rows[normal] else { continue };
-                    sums[0] += row.weight;
-                    sums[1] += row.weight * response.jump[normal];
-                    for (sum, v) in sums[2..].iter_mut().zip(corrections) {
-                        *sum += row.weight * all.jump(index, normal, v);
-                    }
-                }
-                ControlKind::Dissipation(_) => {
-                    // What the law dissipates has the factor of the node.
-                    let weight = rows.law_weight(dim) * state.factors[index];
-                    sums[0] += weight * full;
-                    // The law's jump; the history is its size, and follows the displacement's.
-                    let own: [f64; 3] =
-                        std::array::from_fn(|c| response.jump[c] - response.defect[c]);
-                    let size = own.iter().map(|w| w * w).sum::<f64>().sqrt();
-                    let grows =
-                        matches!(response.branch, Branch::Softening | Branch::SofteningClosed);
-                    let breaks_now =
-                        response.branch.is_separated() && state.committed[index] < critical;
-                    let (value, rate) = if breaks {
-                        let grown = if breaks_now { size } else { response.history };
-                        (full * grown / critical, full / critical)
-                    } else {
-                        let (history, step) = (response.history, 1e-4 * response.history);
-                        let [low, high] = [history - step, history + step];
-                        let rate = (law.dissipated(high) - law.dissipated(low)) / (2.0 * step);
-                        (law.dissipated(history), rate)
-                    };
-                    sums[1] += weight * value;
-                    if !(grows || breaks && breaks_now) {
-                        continue;
-                    }
-                    for c in (0..dim).filter(|_| size > 0.0) {
-                        let direction = weight * rate * own[c] / size;
-                        sums[1] += direction * response.defect[c];
-                        for (sum, v) in sums[2..].iter_mut().zip(corrections) {
-                            *sum += direction * all.jump(index, c, v);
-                        }
-                    }
-                }
+                ControlKind::Opening(_) => sums.add_opening(&node),
+                ControlKind::Dissipation(_) => sums.add_dissipation(&node, &dissipation),
             }
         }
+        sums.over_ranks(comm)
+    }
+}
+
+/// An owned secondary node of the interface, at a state from which corrections lead on.
+struct Node<'s> {
+    all: &'s Discretization,
+    state: &'s InterfaceState,
+    /// Into `Discretization::secondary`.
+    index: usize,
+    corrections: [&'s [f64]; 2],
+}
+
+impl Node<'_> {
+    fn rows(&self) -> &JumpRows<u32> {
+        &self.all.secondary[self.index]
+    }
+
+    fn response(&self) -> &NodeResponse {
+        &self.state.response[self.index]
+    }
+}
+
+/// How the law of the interface dissipates energy.
+struct Dissipation<'l> {
+    law: &'l dyn InterfaceLaw,
+    /// Critical jump (m).
+    critical: f64,
+    /// Energy per area of full rupture (J/m2).
+    full: f64,
+    /// Whether jumps over the critical one, which grow on beyond rupture, take its place.
+    breaks: bool,
+}
+
+impl<'l> Dissipation<'l> {
+    fn new(law: &'l dyn InterfaceLaw, breaks: bool) -> Self {
+        let critical = law.jump_scale().unwrap_or(f64::MAX);
+        Self { law, critical, full: law.dissipated(critical), breaks }
+    }
+
+    /// Energy per area (J/m2) at a history, and its growth with the history (Pa); `grown` is the
+    /// size of the jump where that is what grows.
+    fn value_and_rate(&self, history: f64, grown: Option<f64>) -> (f64, f64) {
+        if self.breaks {
+            let grown = grown.unwrap_or(history);
+            return (self.full * grown / self.critical, self.full / self.critical);
+        }
+        let step = 1e-4 * history;
+        let [low, high] = [history - step, history + step];
+        let rate = (self.law.dissipated(high) - self.law.dissipated(low)) / (2.0 * step);
+        (self.law.dissipated(history), rate)
+    }
+}
+
+impl Sums {
+    /// Adds the opening of a node.
+    fn add_opening(&mut self, node: &Node<'_>) {
+        let normal = node.all.dim - 1;
+        let Some(row) = &node.rows().rows[normal] else { return };
+        self.weight += row.weight;
+        self.value += row.weight * node.response().jump[normal];
+        self.add_changes(row.weight, node, normal);
+    }
+
+    /// Adds what is dissipated at a node.
+    fn add_dissipation(&mut self, node: &Node<'_>, of: &Dissipation<'_>) {
+        let response = node.response();
+        // What the law dissipates has the factor of the node.
+        let weight = node.rows().law_weight(node.all.dim) * node.state.factors[node.index];
+        self.weight += weight * of.full;
+        // The law's jump; the history is its size, and follows the displacement's.
+        let own: [f64; 3] = std::array::from_fn(|c| response.jump[c] - response.defect[c]);
+        let size = own.iter().map(|w| w * w).sum::<f64>().sqrt();
+        let grows = matches!(response.branch, Branch::Softening | Branch::SofteningClosed);
+        let breaks_now =
+            response.branch.is_separated() && node.state.committed[node.index] < of.critical;
+        let (value, rate) = of.value_and_rate(response.history, breaks_now.then_some(size));
+        self.value += weight * value;
+        if !(grows || of.breaks && breaks_now) {
+            return;
+        }
+        for c in (0..node.all.dim).filter(|_| size > 0.0) {
+            let direction = weight * rate * own[c] / size;
+            self.value += direction * response.defect[c];
+            self.add_changes(direction, node, c);
+        }
+    }
+
+    /// Adds the jumps of the corrections in a component, times a factor.
+    fn add_changes(&mut self, factor: f64, node: &Node<'_>, component: usize) {
+        for (change, v) in self.changes.iter_mut().zip(node.corrections) {
+            *change += factor * node.all.jump(node.index, component, v);
+        }
+    }
+
+    /// Collective.
+    fn over_ranks(self, comm: &Comm) -> Self {
+        let mut sums = [self.weight, self.value, self.changes[0], self.changes[1]];
         comm.sum(&mut sums);
-        Sums { weight: sums[0], value: sums[1], changes: [sums[2], sums[3]] }
+        let [weight, value, changes @ ..] = sums;
+        Self { weight, value, changes }
     }
 }

@@ -12,7 +12,8 @@
 //! gives way (an intrinsic law from rest) does so in corrections of its own, before anything gives
 //! way.
 
-use super::{Problem, Worst};
+use super::Problem;
+use super::measure::Worst;
 use crate::assembly::Discretization;
 use crate::comm::Comm;
 use crate::petsc::Verdict;

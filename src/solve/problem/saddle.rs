@@ -5,7 +5,8 @@
 //! equilibrium is linear: after a correction the multipliers are those that the bulk transmits.
 
 use super::Problem;
-use super::convergence::Worst;
+use super::convergence::Iterate;
+use super::measure::Worst;
 use crate::assembly::{LawDerivative, SaddleTangent};
 use crate::error::Result;
 use crate::fault;
@@ -137,7 +138,7 @@ impl NonlinearSystem for SaddleSystem<'_, '_> {
         self.problem.correct();
         self.problem.interfaces.overstress = 1.0;
         self.problem.hold_prescribed(correction);
-        let part = self.problem.convergence.part_of_step;
+        let part = self.problem.convergence.part_of_step();
         correction.iter_mut().for_each(|c| *c *= part);
         Ok(())
     }
@@ -153,7 +154,8 @@ impl NonlinearSystem for SaddleSystem<'_, '_> {
         problem.pulse.correction(problem.comm, iteration)?;
         let worst = problem.worst_balance();
         let (comm, all, state) = (problem.comm, &problem.all, &problem.interfaces);
-        let verdict = problem.convergence.judge(comm, all, state, iteration, norm, worst, 0.0)?;
+        let iterate = Iterate { corrections: iteration, norm, worst, control: 0.0 };
+        let verdict = problem.convergence.judge(comm, all, state, iterate)?;
         Ok(problem.unless_waiting(verdict))
     }
 

@@ -67,19 +67,23 @@ impl Problem<'_> {
             // Where the unknown is the jump itself, the primary side takes no part.
             let is_jump = self.interfaces.response[*index].state.jump;
             let row = |c: usize| rows.rows[c].as_ref().expect("both components have a multiplier");
-            let at = |node: u32, c: usize| local[node as usize * dim + c];
             let has = |c: usize| (0..dim).any(|d| beyond[c][d] != 0.0 || beyond[d][c] != 0.0);
             let mut jump = [0.0; 3];
             for c in (0..dim).filter(|c| has(*c)) {
-                let others = row(c).others.iter().filter(|_| !is_jump[c]);
-                jump[c] = row(c).own * at(rows.node, c)
-                    + others.map(|(node, a)| a * at(*node, c)).sum::<f64>();
+                let at = |node: u32| local[node as usize * dim + c];
+                jump[c] = if is_jump[c] {
+                    row(c).own * at(rows.node)
+                } else {
+                    row(c).trace(rows.node, at)
+                };
             }
             for c in (0..dim).filter(|c| has(*c)) {
                 let traction: f64 = (0..dim).map(|d| beyond[c][d] * jump[d]).sum();
-                force[rows.node as usize * dim + c] += row(c).own * traction;
-                for (node, a) in row(c).others.iter().filter(|_| !is_jump[c]) {
-                    force[*node as usize * dim + c] += a * traction;
+                let mut add = |node: u32, f: f64| force[node as usize * dim + c] += f;
+                if is_jump[c] {
+                    add(rows.node, row(c).own * traction);
+                } else {
+                    row(c).spread(rows.node, traction, add);
                 }
             }
         }

@@ -52,77 +52,18 @@ pub fn free_motions(
     all: &Discretization,
     interfaces: &InterfaceState,
 ) -> Vec<String> {
-    let (dim, bodies) = (all.dim, mesh.bodies);
-    let (axes, motions) = (axes(dim), if dim == 2 { &[0, 2, 4][..] } else { &[0, 1, 2, 3, 4, 5] });
-    let (width, size) = (motions.len(), motions.len() * bodies);
-    let place = |node: usize| (all.nodes.points[node], all.nodes.marks[node].body as usize);
-    let holds = |interface: usize, response: &NodeResponse, c: usize| {
-        let separated = is_separated(interfaces, interface, response);
-        !separated || c + 1 == dim && response.branch.is_closed()
-    };
-    let prescribed = || (0..all.nodes.owned).filter(|node| all.prescribed[*node] != [false; 3]);
-    // Rotations are about the middle of the points of each body that hold it.
-    let mut middle = vec![0.0; 4 * bodies];
-    let mut count = |node: usize| {
-        let (point, body) = place(node);
-        let sums = &mut middle[4 * body..][..4];
-        sums.iter_mut().zip(point.into_iter().chain([1.0])).for_each(|(sum, x)| *sum += x);
-    };
-    prescribed().for_each(&mut count);
-    for (rows, response) in all.secondary.iter().zip(&interfaces.response) {
-        if (0..dim).any(|c| rows.rows[c].is_some() && holds(rows.interface, response, c)) {
-            rows.nodes().into_iter().for_each(|node| count(node as usize));
-        }
-    }
-    comm.sum(&mut middle);
-    let centre = |body: usize| -> [f64; 3] {
-        let sums = &middle[4 * body..][..4];
-        std::array::from_fn(|i| if sums[3] > 0.0 { sums[i] / sums[3] } else { 0.5 * mesh.size[i] })
-    };
-    let at = |node: usize, row: &mut [f64], c: usize, factor: f64| {
-        let (point, body) = place(node);
-        for (value, number) in row[body * width..].iter_mut().zip(motions) {
-            *value += factor * motion(*number, point, centre(body))[axes[c]];
-        }
-    };
-    // What resists the motions, and what would if everything held.
-    let mut sums = vec![0.0; size * size + size];
-    let mut see = |row: &[f64], holds: bool| {
-        let (held, full) = sums.split_at_mut(size * size);
-        for (i, a) in row.iter().enumerate().filter(|(_, a)| **a != 0.0) {
-            full[i] += a * a;
-            if holds {
-                row.iter().enumerate().for_each(|(j, b)| held[i * size + j] += a * b);
-            }
-        }
-    };
-    for node in prescribed() {
-        for c in (0..dim).filter(|c| all.prescribed[node][*c]) {
-            let mut row = vec![0.0; size];
-            at(node, &mut row, c, 1.0);
-            see(&row, true);
-        }
-    }
-    for (rows, response) in all.secondary.iter().zip(&interfaces.response) {
-        for c in 0..dim {
-            let Some(jump) = &rows.rows[c] else { continue };
-            let mut row = vec![0.0; size];
-            at(rows.node as usize, &mut row, c, jump.own);
-            jump.others.iter().for_each(|(node, a)| at(*node as usize, &mut row, c, *a));
-            see(&row, holds(rows.interface, response, c));
-        }
-    }
-    comm.sum(&mut sums);
-    let (held, full) = sums.split_at(size * size);
+    let bodies = Bodies::new(comm, mesh, all, interfaces);
+    let (width, size) = (bodies.motions.len(), bodies.size());
+    let Resistance { held, full } = bodies.resistance(comm, interfaces);
     let scale = |i: usize| if full[i] > 0.0 { full[i].sqrt().recip() } else { 0.0 };
     let held = DMatrix::from_fn(size, size, |i, j| scale(i) * held[i * size + j] * scale(j));
-    let spectrum = SymmetricEigen::new(held);
-    let free: Vec<usize> = (0..size).filter(|i| spectrum.eigenvalues[*i] <= FREE).collect();
+    let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(held);
+    let free: Vec<usize> = (0..size).filter(|i| eigenvalues[*i] <= FREE).collect();
     let mut sentences: Vec<String> = Vec::new();
-    for body in 0..bodies {
-        let named = motions.iter().enumerate().filter(|(i, number)| {
-            let vectors = &spectrum.eigenvectors;
-            let share: f64 = free.iter().map(|f| vectors[(body * width + i, *f)].powi(2)).sum();
+    for body in 0..mesh.bodies {
+        let named = bodies.motions.iter().enumerate().filter(|(i, number)| {
+            let share: f64 =
+                free.iter().map(|f| eigenvectors[(body * width + i, *f)].powi(2)).sum();
             share.sqrt() > NAMED[usize::from(**number < 3)]
         });
         let names: Vec<String> = named.map(|(_, number)| name(*number)).collect();
@@ -136,6 +77,130 @@ pub fn free_motions(
         }
     }
     sentences
+}
+
+/// Whether a point of an interface holds a component of the displacement.
+fn holds(
+    interfaces: &InterfaceState,
+    interface: usize,
+    at: &NodeResponse,
+    is_normal: bool,
+) -> bool {
+    !is_separated(interfaces, interface, at) || is_normal && at.branch.is_closed()
+}
+
+/// The bodies of a mesh as rigid ones.
+struct Bodies<'a> {
+    mesh: &'a MeshFacts,
+    all: &'a Discretization,
+    /// Numbers of the motions of each body.
+    motions: &'static [usize],
+    /// Rotations are about the middle of the points of each body that hold it.
+    centres: Vec<[f64; 3]>,
+}
+
+/// What resists the motions of all bodies.
+struct Resistance {
+    /// A matrix over the motions.
+    held: Vec<f64>,
+    /// What its diagonal would be if everything held.
+    full: Vec<f64>,
+}
+
+impl Resistance {
+    /// Takes a component of a displacement or a jump into account, `row` by motions.
+    fn see(&mut self, row: &[f64], holds: bool) {
+        for (i, a) in row.iter().enumerate().filter(|(_, a)| **a != 0.0) {
+            self.full[i] += a * a;
+            if holds {
+                let held = self.held[i * row.len()..].iter_mut();
+                held.zip(row).for_each(|(held, b)| *held += a * b);
+            }
+        }
+    }
+}
+
+impl<'a> Bodies<'a> {
+    /// With the points that hold at the state that was evaluated last. Collective.
+    fn new(
+        comm: &Comm,
+        mesh: &'a MeshFacts,
+        all: &'a Discretization,
+        interfaces: &InterfaceState,
+    ) -> Self {
+        let motions = if all.dim == 2 { &[0, 2, 4][..] } else { &[0, 1, 2, 3, 4, 5] };
+        let mut bodies = Self { mesh, all, motions, centres: Vec::new() };
+        let mut middle = vec![0.0; 4 * mesh.bodies];
+        let mut count = |node: usize| {
+            let (point, body) = bodies.place(node);
+            let sums = &mut middle[4 * body..][..4];
+            sums.iter_mut().zip(point.into_iter().chain([1.0])).for_each(|(sum, x)| *sum += x);
+        };
+        bodies.prescribed().for_each(&mut count);
+        for (rows, response) in all.secondary.iter().zip(&interfaces.response) {
+            let holds = |c| holds(interfaces, rows.interface, response, c + 1 == all.dim);
+            if (0..all.dim).any(|c| rows.rows[c].is_some() && holds(c)) {
+                rows.nodes().into_iter().for_each(|node| count(node as usize));
+            }
+        }
+        comm.sum(&mut middle);
+        let centre = |sums: &[f64]| -> [f64; 3] {
+            let alone = |i: usize| 0.5 * mesh.size[i];
+            std::array::from_fn(|i| if sums[3] > 0.0 { sums[i] / sums[3] } else { alone(i) })
+        };
+        bodies.centres = middle.chunks_exact(4).map(centre).collect();
+        bodies
+    }
+
+    /// Motions of all bodies.
+    fn size(&self) -> usize {
+        self.motions.len() * self.mesh.bodies
+    }
+
+    /// Position (m) and body of a local node.
+    fn place(&self, node: usize) -> ([f64; 3], usize) {
+        let nodes = &self.all.nodes;
+        (nodes.points[node], nodes.marks[node].body as usize)
+    }
+
+    /// Owned nodes with a prescribed component.
+    fn prescribed(&self) -> impl Iterator<Item = usize> {
+        (0..self.all.nodes.owned).filter(|node| self.all.prescribed[*node] != [false; 3])
+    }
+
+    /// A component of the displacements of nodes, times their coefficients, by motions.
+    fn row(&self, coefficients: impl Iterator<Item = (u32, f64)>, component: usize) -> Vec<f64> {
+        let (axis, width) = (axes(self.all.dim)[component], self.motions.len());
+        let mut row = vec![0.0; self.size()];
+        for (node, a) in coefficients {
+            let (point, body) = self.place(node as usize);
+            for (value, number) in row[body * width..].iter_mut().zip(self.motions) {
+                *value += a * motion(*number, point, self.centres[body])[axis];
+            }
+        }
+        row
+    }
+
+    /// What resists the motions at the state that was evaluated last. Collective.
+    fn resistance(&self, comm: &Comm, interfaces: &InterfaceState) -> Resistance {
+        let (all, dim, size) = (self.all, self.all.dim, self.size());
+        let mut sums = Resistance { held: vec![0.0; size * size], full: vec![0.0; size] };
+        for node in self.prescribed() {
+            for c in (0..dim).filter(|c| all.prescribed[node][*c]) {
+                sums.see(&self.row([(node as u32, 1.0)].into_iter(), c), true);
+            }
+        }
+        for (rows, response) in all.secondary.iter().zip(&interfaces.response) {
+            for c in 0..dim {
+                let Some(row) = &rows.rows[c] else { continue };
+                let holds = holds(interfaces, rows.interface, response, c + 1 == dim);
+                sums.see(&self.row(row.coefficients(rows.node), c), holds);
+            }
+        }
+        comm.sum(&mut sums.held);
+        comm.sum(&mut sums.full);
+        sums
+    }
 }
 
 fn name(number: usize) -> String {

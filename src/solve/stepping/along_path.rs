@@ -18,6 +18,36 @@ impl Stepper<'_> {
     /// A step of path following. From rest it starts where the first point is about to give way, to
     /// which all loads are scaled: everything is linear up to there. Collective.
     pub(super) fn solve_path(&mut self, target: f64) -> Result<SolveReport> {
+        self.start_on_path(target)?;
+        let undamaged = self.problem.interfaces.committed.iter().all(|kappa| *kappa == 0.0);
+        let mut corrections = [0; 2];
+        if !self.problem.comm.any(!undamaged) {
+            let small = self.load_to(SMALL_FACTOR)?;
+            let share = self.share_of_strength();
+            if !small.reason.is_converged() || share == 0.0 {
+                let words =
+                    "no interface is pulled or sheared by the loads: nothing ever gives way";
+                self.problem.convergence.failure.get_or_insert_with(|| words.into());
+                return Ok(SolveReport { reason: SnesReason::Stopped, ..small });
+            }
+            let onset = self.scale_to_onset(small, share)?;
+            if self.problem.path.as_ref().is_some_and(PathControl::asks_for_onset) {
+                return Ok(onset);
+            }
+            corrections = [onset.iterations, onset.linear_iterations];
+        }
+        self.hold_factor(None)?;
+        self.problem.predict_freely();
+        self.problem.interfaces.overstress =
+            self.problem.path.as_ref().map_or(1.0, PathControl::overstress);
+        let mut report = self.solve()?;
+        report.iterations += corrections[0];
+        report.linear_iterations += corrections[1];
+        Ok(report)
+    }
+
+    /// Sets the loads and prescribed displacements at factor 1 of a step to `target`. Collective.
+    fn start_on_path(&mut self, target: f64) -> Result<()> {
         let Some(mut path) = self.problem.path.take() else {
             return Err(Error::Bug("a step of a path without one".into()));
         };
@@ -32,51 +62,36 @@ impl Stepper<'_> {
         self.problem.comm.agree(written)?;
         path.unit_displacement = self.prescribed_part(&unit)?;
         self.problem.path = Some(path);
-        self.problem.set_load(load_time)?;
-        let undamaged = self.problem.interfaces.committed.iter().all(|kappa| *kappa == 0.0);
-        let mut corrections = [0; 2];
-        if !self.problem.comm.any(!undamaged) {
-            let report = self.load_to(SMALL_FACTOR)?;
-            corrections = [report.iterations, report.linear_iterations];
-            let problem = &self.problem;
-            let share = problem.interfaces.share_of_strength(problem.comm, &problem.all);
-            if !report.reason.is_converged() || share == 0.0 {
-                let words =
-                    "no interface is pulled or sheared by the loads: nothing ever gives way";
-                self.problem.convergence.failure.get_or_insert_with(|| words.into());
-                return Ok(SolveReport { reason: SnesReason::Stopped, ..report });
-            }
-            let (mut factor, mut scale) = (SMALL_FACTOR, BELOW / share);
-            let mut onset = report;
-            // Beside the forces of accepted states those of the small load are known to few digits.
-            for _ in 0..MOST_SCALINGS {
-                self.x.write()?.iter_mut().for_each(|x| *x *= scale);
-                factor *= scale;
-                onset = self.load_to(factor)?;
-                corrections[0] += onset.iterations;
-                corrections[1] += onset.linear_iterations;
-                let problem = &self.problem;
-                scale = BELOW / problem.interfaces.share_of_strength(problem.comm, &problem.all);
-                if (scale - 1.0).abs() <= CLOSE || !onset.reason.is_converged() {
-                    break;
-                }
-            }
-            if self.problem.path.as_ref().is_some_and(PathControl::asks_for_onset) {
-                return Ok(SolveReport {
-                    iterations: corrections[0],
-                    linear_iterations: corrections[1],
-                    ..onset
-                });
+        self.problem.set_load(load_time)
+    }
+
+    /// Scales the state of `small` loads, which take up a `share` of the strength, to the one in
+    /// which the first point is about to give way; with all corrections in the report. Collective.
+    fn scale_to_onset(&mut self, small: SolveReport, share: f64) -> Result<SolveReport> {
+        let (mut factor, mut scale) = (SMALL_FACTOR, BELOW / share);
+        let mut onset = small;
+        // Beside the forces of accepted states those of the small load are known to few digits.
+        for _ in 0..MOST_SCALINGS {
+            self.x.write()?.iter_mut().for_each(|x| *x *= scale);
+            factor *= scale;
+            let report = self.load_to(factor)?;
+            onset = SolveReport {
+                iterations: onset.iterations + report.iterations,
+                linear_iterations: onset.linear_iterations + report.linear_iterations,
+                ..report
+            };
+            scale = BELOW / self.share_of_strength();
+            if (scale - 1.0).abs() <= CLOSE || !onset.reason.is_converged() {
+                break;
             }
         }
-        self.hold_factor(None)?;
-        self.problem.predict_freely();
-        self.problem.interfaces.overstress =
-            self.problem.path.as_ref().map_or(1.0, PathControl::overstress);
-        let mut report = self.solve()?;
-        report.iterations += corrections[0];
-        report.linear_iterations += corrections[1];
-        Ok(report)
+        Ok(onset)
+    }
+
+    /// The largest traction over the strength of its interface. Collective.
+    fn share_of_strength(&self) -> f64 {
+        let problem = &self.problem;
+        problem.interfaces.share_of_strength(problem.comm, &problem.all)
     }
 
     /// The time that a converged step to `target` has reached: the step that is to break an

@@ -1,6 +1,7 @@
 //! Where a state is not stable: what the case asks for, and the way along the mode to one that is.
 
 use super::bifurcation::{Bifurcation, Consequence, is_less};
+use super::step_size::StepSize;
 use super::{Accepted, Stepper};
 use crate::case::Stability;
 use crate::error::{Error, Result};
@@ -84,16 +85,17 @@ impl Stepper<'_> {
         Ok(second)
     }
 
-    /// What follows from the unstable state that a step of size `step` has led to. Smaller steps
+    /// What follows from the unstable state that a step of such a size has led to. Smaller steps
     /// are tried first where they may lead elsewhere, since a path that starts closer to where it
     /// leaves the unstable one leaves it on the right side; not where the sides are each other's
     /// mirror image. Collective.
     pub(super) fn consequence(
         &mut self,
         unstable: &Instability,
-        (step, smallest): (f64, f64),
+        size: StepSize,
         total: &mut Accepted,
     ) -> Result<Consequence> {
+        let StepSize { step, smallest } = size;
         let may_depend = self.tries_smaller_steps && unstable.may_depend_on_the_step();
         match self.case.solver.stability {
             Stability::Stop => Ok(Consequence::Cut),

@@ -1,6 +1,7 @@
 //! Converged states that speak of a step that was too long.
 
 use super::Stepper;
+use super::step_size::StepSize;
 use crate::error::Result;
 use crate::solve::model::interfaces::to_local;
 
@@ -26,9 +27,10 @@ pub(super) struct Doubt {
 const WORTH: f64 = 64.0;
 
 impl Doubt {
-    /// Whether a step of size `step` is worth cutting; `is_last` where none of its parts were
+    /// Whether a step of such a size is worth cutting; `is_last` where none of its parts were
     /// solved.
-    pub(super) fn is_worth(&self, step: f64, smallest: f64, is_last: bool) -> bool {
+    pub(super) fn is_worth(&self, size: StepSize, is_last: bool) -> bool {
+        let StepSize { step, smallest } = size;
         if self.is_final { step > smallest } else { !is_last && step > WORTH * smallest }
     }
 }

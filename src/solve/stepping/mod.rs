@@ -1,5 +1,6 @@
 //! From instant to instant, in one step where possible.
 
+mod advance;
 mod along_path;
 mod bifurcation;
 mod branching;
@@ -10,27 +11,28 @@ mod persist;
 mod ramp;
 mod rounding;
 mod start;
+mod step_size;
 mod step_state;
 mod words;
 
 pub use bifurcation::Bifurcation;
-pub use step_state::{MOST_COUNTED, StepState};
+pub use step_state::{FluidState, MOST_COUNTED, StepState};
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::problem::Problem;
 use super::stability::Instability;
 use crate::assembly::PoreSpace;
 use crate::case::{Case, Stability};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::petsc::{Snes, SolveReport, Vector};
+use crate::signals;
 use crate::solve::flow::coupled::{CoupledSystem, Coupling};
 use crate::solve::problem::energy::{Energy, Work};
 use crate::solve::problem::saddle::{SaddlePoint, SaddleSystem};
 use crate::space::Prescribed;
-use crate::{fault, signals};
-use bifurcation::Consequence;
 use ramp::Ramp;
+use step_size::StepSize;
 
 /// A step is halved at most this often.
 const MOST_HALVINGS: u32 = 10;
@@ -79,8 +81,8 @@ pub struct Stepper<'a> {
     pub(super) tries_smaller_steps: bool,
     /// Whether the running step was cut for an unstable state.
     is_cutting: bool,
-    /// Length and smallest length of the steps to go on with after a pause before the instant.
-    paused: Option<(f64, f64)>,
+    /// The steps to go on with after a pause before the instant.
+    paused: Option<StepSize>,
     /// Whether conjugate gradients have met an indefinite tangent.
     is_indefinite: bool,
     pub(super) work: Work,
@@ -104,7 +106,8 @@ impl<'a> Stepper<'a> {
         case: &'a Case,
         problem: Problem<'a>,
         snes: Snes,
-        (saddle, coupling): (Option<SaddlePoint>, Option<Coupling>),
+        saddle: Option<SaddlePoint>,
+        coupling: Option<Coupling>,
         x: Vector,
         prescribed: Prescribed,
     ) -> Self {
@@ -143,154 +146,6 @@ impl<'a> Stepper<'a> {
         };
         stepper.initial_pore_force = stepper.pore_force_of(&stepper.coupling);
         stepper
-    }
-
-    /// Solves for the state at `instant`. A step that fails is halved; the instant itself, and the
-    /// times before at which a table bends, are always reached exactly. None after a step that did
-    /// not reach it and took long, where a checkpoint may be due: to be called again. Collective.
-    ///
-    /// # Errors
-    /// `Numerics` when the smallest step fails, with the reason and the place, and when a rupture
-    /// leaves a body free; `Input` when a
-    /// formula gives no finite number.
-    pub fn advance(&mut self, instant: f64) -> Result<Option<Accepted>> {
-        let mut total = std::mem::take(&mut self.since_instant);
-        if self.starts_in_equilibrium() && !self.has_begun {
-            let begun = self.begin_in_equilibrium(&mut total);
-            if begun.is_err() {
-                self.since_instant = total;
-                begun?;
-            }
-        }
-        while self.time < instant {
-            let passed = self.breakpoints.partition_point(|time| *time <= self.time);
-            let next = self.breakpoints.get(passed).map_or(instant, |time| time.min(instant));
-            let advanced = self.advance_without_bends(next, &mut total);
-            if self.breakpoints.contains(&self.time)
-                && let Some(pace) = self.coupling.as_mut().and_then(|c| c.flow.pace.as_mut())
-            {
-                pace.jump();
-            }
-            if advanced.is_err() {
-                self.since_instant = total;
-                advanced?;
-            }
-            if self.paused.is_some() {
-                self.since_instant = total;
-                return Ok(None);
-            }
-        }
-        total.energy = self.energy;
-        total.residual_norm = self.problem.residual_norm;
-        Ok(Some(total))
-    }
-
-    /// As [`Stepper::advance`], to the next time at which a table bends.
-    fn advance_without_bends(&mut self, instant: f64, total: &mut Accepted) -> Result<()> {
-        let smallest = (instant - self.time) / f64::from(1 << MOST_HALVINGS);
-        let step = self.step.min(instant - self.time);
-        let (mut step, smallest) = self.paused.take().unwrap_or((step, smallest));
-        // Where parts of a step that was cut for a doubt fail, all that is left is tried once more.
-        let (mut was_doubted, mut is_last) = (false, false);
-        while self.time < instant {
-            self.stop_if_asked(self.longest)?;
-            let (started, counts) = (Instant::now(), *total);
-            // Halving is exact, so the last step ends at the instant to the last bit.
-            let mut target =
-                if instant - self.time <= 1.5 * step { instant } else { self.time + step };
-            let pace = self.coupling.as_ref().and_then(|coupling| coupling.flow.pace.as_ref());
-            if let Some(pace) = pace {
-                target = pace.target(self.time, target);
-            }
-            let mut before = self.x.duplicate()?;
-            before.copy_from(&self.x)?;
-            // The step is made again by the run that goes on.
-            let attempted = self.attempt(target, &before, total).inspect_err(|_| *total = counts);
-            let (report, unstable) = attempted?;
-            let converged = report.reason.is_converged();
-            if let Some(Coupling { flow, .. }) = &mut self.coupling
-                && converged
-                && !flow.is_accurate(self.problem.comm)
-            {
-                tracing::debug!("  step from {} to {target} was too long for flow", self.time);
-                self.x.copy_from(&before)?;
-                continue;
-            }
-            let consequence = match &unstable {
-                Some(found) => self.consequence(found, (step, smallest), total),
-                None => Ok(Consequence::Taken),
-            };
-            let consequence = consequence.inspect_err(|_| *total = counts)?;
-            let is_taken = converged && !matches!(consequence, Consequence::Cut);
-            let mut doubt = if is_taken { self.doubt(target) } else { None };
-            if is_taken
-                && !doubt.as_ref().is_some_and(|doubt| doubt.is_worth(step, smallest, is_last))
-            {
-                if let Some(doubt) = doubt.take() {
-                    self.bear(doubt)?;
-                }
-                let owned = self.problem.all.nodes.owned * self.problem.all.dim;
-                fault::strike_values(
-                    self.problem.comm,
-                    "step",
-                    &mut self.problem.displacement[..owned],
-                )?;
-                self.accept(self.reached(target)?);
-                self.keep(unstable, consequence);
-                total.steps += 1;
-                self.longest = self.longest.max(started.elapsed());
-                step *= 2.0;
-                if self.time < instant && self.problem.pulse.is_slow() {
-                    self.paused = Some((step, smallest));
-                    return Ok(());
-                }
-                continue;
-            }
-            let why = match (&doubt, unstable) {
-                (Some(doubt), _) => doubt.words.clone(),
-                (None, Some(found)) => found.words(self.case),
-                (None, None) => self.reason(&report),
-            };
-            self.x.copy_from(&before)?;
-            if let Err(stopped) = self.stop_if_asked(Duration::ZERO) {
-                *total = counts;
-                return Err(stopped);
-            }
-            if step <= smallest && converged {
-                return Err(Error::Numerics(format!(
-                    "{why}; a step of {step:e} from {} changes nothing (solver.stability: warn goes on)",
-                    self.time
-                )));
-            }
-            was_doubted |= doubt.as_ref().is_some_and(|doubt| !doubt.is_final);
-            if step <= smallest && was_doubted && !is_last {
-                tracing::info!(
-                    "  step from {} to {target} failed: {why}; {instant} at once",
-                    self.time
-                );
-                (is_last, step) = (true, instant - self.time);
-                continue;
-            }
-            if step <= smallest {
-                return Err(Error::Numerics(format!(
-                    "no solution at time {target}, reached from {} with the smallest step {step:e} \
-                     (after {MOST_HALVINGS} halvings): {why}{}{}",
-                    self.time,
-                    self.rounding_words(),
-                    self.advice()
-                )));
-            }
-            tracing::info!("  step from {} to {target} failed: {why}; halved", self.time);
-            if self.time == self.case.start && !self.has_begun && self.ramp.is_none() {
-                self.grow_until(instant)?;
-            }
-            step = 0.5 * (target - self.time);
-            self.step = step;
-        }
-        if self.step.is_finite() {
-            self.step = step;
-        }
-        Ok(())
     }
 
     /// Ends the run at the last accepted state when a signal asks for it, or when another step of

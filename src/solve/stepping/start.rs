@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use super::step_size::StepSize;
 use super::{Accepted, Coupling, MOST_HALVINGS, Stepper};
 use crate::error::{Error, Result};
 
@@ -61,7 +62,9 @@ impl Stepper<'_> {
             let converged = report.reason.is_converged();
             let mut doubt = if converged { self.doubt(start) } else { None };
             if converged
-                && !doubt.as_ref().is_some_and(|doubt| doubt.is_worth(step, smallest, false))
+                && !doubt
+                    .as_ref()
+                    .is_some_and(|doubt| doubt.is_worth(StepSize { step, smallest }, false))
             {
                 if let Some(doubt) = doubt.take() {
                     self.bear(doubt)?;

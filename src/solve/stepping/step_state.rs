@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::solve::flow::{FluidBalance, NextStep};
+
 /// Everything of an accepted state that is not a field.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -12,11 +14,9 @@ pub struct StepState {
     pub step: Option<f64>,
     /// Energies: elastic, dissipated, external (J).
     pub energy: [f64; 3],
-    /// With flow: work of the fluid on the skeleton (J), fluid in, out and stored (kg), and the
-    /// largest nodal magnitude of its balance (m3), length of the next step (s; 0: the first one
-    /// after a jump, negative: the second) and largest pressure (Pa).
+    /// What the fluid has done so far.
     #[serde(default)]
-    pub fluid: [f64; 7],
+    pub fluid: FluidState,
     /// Whether the equilibrium at the start has been found (`initial.equilibrium`).
     #[serde(default)]
     pub has_begun: bool,
@@ -42,6 +42,52 @@ pub struct StepState {
     pub bifurcations: Vec<String>,
 }
 
+/// The fluid at an accepted state; without flow only the work of a pressure that is a load.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "[f64; 7]", into = "[f64; 7]")]
+pub struct FluidState {
+    /// Work of the fluid on the skeleton (J).
+    pub work: f64,
+    /// In, out and stored (kg).
+    pub balance: FluidBalance,
+    /// Largest nodal magnitude of the balance (m3).
+    pub scale: f64,
+    /// How long the next step is.
+    pub next_step: NextStep,
+    /// Largest pressure (Pa).
+    pub largest_pressure: f64,
+}
+
+/// The numbers of a checkpoint.
+impl From<FluidState> for [f64; 7] {
+    fn from(state: FluidState) -> Self {
+        let FluidState { work, balance, scale, next_step, largest_pressure } = state;
+        let FluidBalance { inflow, outflow, stored } = balance;
+        // No step has the length 0.
+        let length = match next_step {
+            NextStep::First => 0.0,
+            NextStep::Second(length) => -length,
+            NextStep::Later(length) => length,
+        };
+        [work, inflow, outflow, stored, scale, length, largest_pressure]
+    }
+}
+
+impl From<[f64; 7]> for FluidState {
+    fn from(numbers: [f64; 7]) -> Self {
+        let [work, inflow, outflow, stored, scale, length, largest_pressure] = numbers;
+        let balance = FluidBalance { inflow, outflow, stored };
+        let next_step = if length == 0.0 {
+            NextStep::First
+        } else if length < 0.0 {
+            NextStep::Second(-length)
+        } else {
+            NextStep::Later(length)
+        };
+        Self { work, balance, scale, next_step, largest_pressure }
+    }
+}
+
 /// Counts above are of no run, and could not be added to: the whole numbers that a float holds.
 pub const MOST_COUNTED: u64 = 1 << 53;
 
@@ -63,7 +109,8 @@ impl StepState {
                 return wrong(what, size);
             }
         }
-        let numbers = self.energy.iter().chain(&self.fluid);
+        let fluid: [f64; 7] = self.fluid.into();
+        let numbers = self.energy.iter().chain(&fluid);
         let numbers = numbers.chain(&self.load_factor).chain(&self.ramp).chain([&self.time]);
         if let Some(number) = numbers.copied().find(|number| !number.is_finite()) {
             return wrong("state", number);
@@ -80,6 +127,22 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_fluid_is_seven_numbers_in_a_checkpoint() {
+        for text in [
+            "[0.5,1.0,2.0,-1.0,3.0,0.0,4.0]",
+            "[0.5,1.0,2.0,-1.0,3.0,0.25,4.0]",
+            "[0.5,1.0,2.0,-1.0,3.0,-0.25,4.0]",
+        ] {
+            let state: FluidState = serde_json::from_str(text).expect("seven numbers");
+            assert_eq!(serde_json::to_string(&state).expect("finite numbers"), text);
+            assert_eq!(state.balance.stored, -1.0);
+        }
+        let second = FluidState::from([0.0, 0.0, 0.0, 0.0, 0.0, -0.25, 0.0]);
+        assert_eq!(second.next_step, NextStep::Second(0.25));
+        assert_eq!(FluidState::from([0.0; 7]), FluidState::default());
+    }
+
+    #[test]
     fn what_no_run_writes_is_told() {
         assert_eq!(StepState::default().check(), Ok(()));
         let good = || StepState { step: Some(0.5), load_factor: Some(-2.0), ..Default::default() };
@@ -91,6 +154,7 @@ mod tests {
             (StepState { scales: [-2.0, 0.0], ..good() }, "its force is -2"),
             (StepState { scales: [0.0, f64::NAN], ..good() }, "its size is NaN"),
             (StepState { energy: [0.0, f64::INFINITY, 0.0], ..good() }, "its state is inf"),
+            (StepState { fluid: [f64::NAN; 7].into(), ..good() }, "its state is NaN"),
             (
                 StepState { since_instant: [0, 1 << 54, 0], ..good() },
                 "it counts 18014398509481984 corrections or steps",

@@ -137,7 +137,8 @@ impl Stepper<'_> {
             return words;
         }
         let place = place.map_or_else(String::new, |place| format!("; {place} softened"));
-        format!("{words}; the tangent was indefinite ({negative} negative pivots){place}")
+        let s = if negative == 1 { "" } else { "s" };
+        format!("{words}; the tangent was indefinite ({negative} negative pivot{s}){place}")
     }
 
     /// Interface and place of the lowest node that softened in the last solve. Collective.
