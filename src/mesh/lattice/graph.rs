@@ -12,7 +12,7 @@ const MOST_WORK: f64 = 64.0;
 
 impl Column {
     /// The graph of all cells. The work of a cell is that of the cells of the finest lattice in it,
-    /// the most being [`MOST_WORK`]. Facing cells of an interface are joined by heavy edges, so
+    /// the most being `MOST_WORK`. Facing cells of an interface are joined by heavy edges, so
     /// that pairs stay together where the balance allows it.
     ///
     /// # Errors
