@@ -201,7 +201,7 @@ def page(options):
         parts.append(part)
     if not fresh:
         sys.exit(f"bench: {directory} holds no tables; run scripts/bench.sh first")
-    tabled = f"{MARKS[0]}\n\n" + "\n".join(parts) + f"\n{MARKS[1]}"
+    tabled = f"{MARKS[0]}\n\n" + tables.narrowed("\n".join(parts)) + f"\n{MARKS[1]}"
     PAGE.write_text(pattern.sub(lambda _: tabled, before))
     print(PAGE)
 

@@ -3,6 +3,7 @@
 import csv
 import math
 from statistics import median
+from textwrap import fill
 
 PHASES = ("mesh", "partition", "assembly", "solve", "output")
 COLUMNS = ("scene", "cells", "ranks", "runs", "unknowns", "preset", "wall_s", "cores", *(f"{p}_s" for p in PHASES), "newton",
@@ -39,6 +40,39 @@ def table(head, rows):
     """A Markdown table."""
     lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
     return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows]) + "\n"
+
+
+# As wide as a screen.
+WIDEST = 100
+# Columns that say of what a row is; the parts of a table that is too wide repeat them.
+NAMES = ("scene", "ranks", "pressure", "n", "cubes")
+
+
+def narrowed(page):
+    """A page of Markdown, its tables split by columns and its prose broken where they are too wide."""
+    blocks = []
+    for block in page.split("\n\n"):
+        lines = block.split("\n")
+        wide = max(map(len, lines)) > WIDEST
+        if wide and all(line.startswith("|") for line in lines):
+            block = split(*([cell.strip() for cell in line.strip("|").split("|")] for line in lines if "---" not in line))
+        elif wide and not block.startswith(("|", "![", "#", " ", "```")):
+            block = fill(" ".join(lines), WIDEST)
+        blocks.append(block)
+    return "\n\n".join(blocks)
+
+
+def split(head, *rows):
+    """A table as several, each with the columns that say of what a row is."""
+    names = [i for i, name in enumerate(head) if name in NAMES]
+    wide = lambda columns: max(sum(len(row[i]) + 3 for i in columns) + 1 for row in (head, *rows))
+    parts = [list(names)]
+    for column in (i for i in range(len(head)) if i not in names):
+        if len(parts[-1]) > len(names) and wide(parts[-1] + [column]) > WIDEST:
+            parts.append(list(names))
+        parts[-1].append(column)
+    pick = lambda row, columns: [row[i] for i in columns]
+    return "\n".join(table(pick(head, part), [pick(row, part) for row in rows]) for part in parts).rstrip("\n")
 
 
 def middle(records, key):
