@@ -172,11 +172,18 @@ impl LocalMesh {
             start.push(connectivity.len() as u32);
         }
         Self {
+            facts: self.facts.clone(),
+            cells: self.cells.clone(),
+            cell_prototype: self.cell_prototype.clone(),
+            prototypes: self.prototypes.clone(),
             start,
             connectivity,
             nodes: self.nodes.picked(&kept),
+            surfaces: self.surfaces.clone(),
+            lips: self.lips.clone(),
+            coarse_cells: self.coarse_cells,
             is_of_corners: true,
-            ..self.clone()
+            lattice: self.lattice.clone(),
         }
     }
 }

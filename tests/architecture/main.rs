@@ -330,6 +330,30 @@ fn communication_order_never_depends_on_hashes() {
     );
 }
 
+/// Files that pages name are there; names in capitals stand for any.
+#[test]
+fn pages_name_files_that_are_there() {
+    let mut found = Vec::new();
+    for page in PROSE {
+        let text = fs::read_to_string(root().join(page)).expect(page);
+        for name in text.split('`').skip(1).step_by(2).filter(|name| names_a_file(name)) {
+            if !root().join(name).exists() {
+                found.push(format!("{page}: {name}"));
+            }
+        }
+    }
+    assert_none(found, "a file that is not there");
+    assert!(names_a_file("src/lib.rs") && names_a_file("docs/case.md"));
+    assert!(!names_a_file("src/law/NAME.rs") && !names_a_file("src/main.rs and more"));
+}
+
+/// Whether a piece of code in a page is the path of a file of the package.
+fn names_a_file(code: &str) -> bool {
+    let rooms = ["src/", "tests/", "docs/", "scripts/", "cases/", "examples/", "findings/"];
+    rooms.iter().any(|room| code.starts_with(room))
+        && code.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || "/_.-".contains(c))
+}
+
 #[test]
 fn no_file_names_a_directory_of_one_machine() {
     let sources = sources_in("").into_iter().filter(|s| !s.is_this_file());
