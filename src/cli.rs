@@ -4,10 +4,11 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::scene::plot;
 use crate::study::Request;
 
 /// What the user asks for.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Command {
     /// Run a case.
     Run(RunOptions),
@@ -15,6 +16,8 @@ pub enum Command {
     Check(CheckOptions),
     /// Run a family of cases and chart them.
     Study(Request),
+    /// Draw a picture of a finished run.
+    Plot(plot::Request),
     /// Print the JSON Schema of the case file.
     Schema,
 }
@@ -72,6 +75,31 @@ pub struct CheckOptions {
     /// Set a value of the case, as for run. Repeatable
     #[arg(long = "set", value_name = "a.b.c=VALUE")]
     pub overrides: Vec<String>,
+}
+
+/// Options of `plot`.
+#[derive(Debug, Clone, PartialEq, Args)]
+struct PlotOptions {
+    /// The output directory of a run that has written fields
+    #[arg(value_name = "DIRECTORY")]
+    directory: PathBuf,
+    /// What to draw: mesh, a field (displacement, displacement_x, von_mises, stress_xx, ...), an
+    /// interface by its name, or a quantity of it (NAME.damage); a name that is none lists all
+    #[arg(long, value_name = "QUANTITY", default_value = "displacement")]
+    of: String,
+    /// The instant in s, one at which fields were written; the last if none is named
+    #[arg(long, value_name = "INSTANT", allow_negative_numbers = true)]
+    at: Option<f64>,
+    /// The file to write, a PNG beside it; plot.svg in the directory if none is named
+    #[arg(long, value_name = "FILE.svg")]
+    output: Option<PathBuf>,
+}
+
+impl From<PlotOptions> for plot::Request {
+    fn from(options: PlotOptions) -> Self {
+        let PlotOptions { directory, of, at, output } = options;
+        plot::Request { directory, of, at, output }
+    }
 }
 
 /// Options of `study`.
@@ -139,6 +167,8 @@ enum Word {
     Check(CheckOptions),
     /// Run a family of cases and chart them
     Study(StudyOptions),
+    /// Draw a picture of a finished run, as SVG and PNG
+    Plot(PlotOptions),
     /// Print the JSON Schema of the case file
     Schema,
 }
@@ -155,6 +185,7 @@ pub fn parse(args: Vec<String>) -> Result<Command, Exit> {
     })?;
     match (line.command, line.run) {
         (Some(Word::Check(options)), _) => Ok(Command::Check(options)),
+        (Some(Word::Plot(options)), _) => Ok(Command::Plot(options.into())),
         (Some(Word::Schema), _) => Ok(Command::Schema),
         (Some(Word::Study(options)), _) => Ok(Command::Study(options.into())),
         (Some(Word::Run(options)), _) | (None, Some(options)) => run(options),
@@ -208,6 +239,22 @@ mod tests {
         let Ok(Command::Check(options)) = line("check case.yaml --set a=1") else { panic!() };
         assert_eq!((options.case, options.overrides), ("case.yaml".into(), vec!["a=1".to_owned()]));
         assert_eq!(line("schema"), Ok(Command::Schema));
+    }
+
+    #[test]
+    fn a_plot_is_a_command() {
+        let Ok(Command::Plot(request)) = line("plot out --of joint.damage --at -1.5") else {
+            panic!()
+        };
+        let expected = plot::Request {
+            directory: "out".into(),
+            of: "joint.damage".to_owned(),
+            at: Some(-1.5),
+            output: None,
+        };
+        assert_eq!(request, expected);
+        let exit = line("plot out --at soon").expect_err("no number");
+        assert_eq!(exit.status, 2);
     }
 
     #[test]

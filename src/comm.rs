@@ -174,7 +174,7 @@ impl Comm {
         let send_counts: Vec<Rank> = send.iter().map(|part| count(part.len())).collect();
         let mut receive_counts = vec![0; send.len()];
         self.mpi().all_to_all_into(&send_counts[..], &mut receive_counts[..]);
-        let flat = send.concat();
+        let flat = with_an_address(send.concat());
         let total: usize = receive_counts.iter().map(|&n| n as usize).sum();
         let mut received = vec![T::default(); total];
         {
@@ -192,6 +192,8 @@ impl Comm {
     pub fn gather<T: Equivalence + Copy + Default>(&self, values: &[T]) -> Option<Vec<Vec<T>>> {
         let root = self.mpi().process_at_rank(ROOT);
         let mine = count(values.len());
+        let flat = with_an_address(values.to_vec());
+        let values = &flat[..values.len()];
         if !self.is_root() {
             root.gather_into(&mine);
             root.gather_varcount_into(values);
@@ -233,6 +235,15 @@ impl Comm {
 /// A count as MPI wants it.
 fn count(n: usize) -> Rank {
     Rank::try_from(n).expect("a rank's part of a 32-bit problem has a 32-bit count")
+}
+
+/// The values in memory of their own also where there are none. An empty list of bytes has the
+/// address 1, which Open MPI and MPICH take for `MPI_IN_PLACE`.
+fn with_an_address<T>(mut values: Vec<T>) -> Vec<T> {
+    if values.is_empty() {
+        values.reserve(1);
+    }
+    values
 }
 
 /// Where each part begins when they lie one after the other.

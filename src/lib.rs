@@ -34,6 +34,7 @@ pub mod report;
 pub mod results;
 pub mod chart;
 pub mod html;
+pub mod scene;
 pub mod study;
 pub mod page;
 pub mod cli;

@@ -24,6 +24,36 @@ pub fn widest(kernel: impl Kernel) {
     kernel.run();
 }
 
+/// Whether [`wide`] may be called.
+pub fn has_wide_vectors() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    {
+        std::arch::is_x86_feature_detected!("avx2")
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    {
+        true
+    }
+}
+
+/// Runs `kernel` compiled for vectors of four numbers, the only form of it: large kernels take long
+/// to compile.
+///
+/// # Panics
+/// On a processor without them: see [`has_wide_vectors`].
+pub fn wide(kernel: impl Kernel) {
+    assert!(has_wide_vectors(), "a processor without vectors of four numbers");
+    #[cfg(target_arch = "x86_64")]
+    {
+        // SAFETY: the processor has the feature.
+        unsafe { with_avx2(kernel) }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    {
+        kernel.run();
+    }
+}
+
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn with_avx2(kernel: impl Kernel) {

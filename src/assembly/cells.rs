@@ -1,8 +1,12 @@
 //! The cells of one rank and their internal forces.
 
+use super::general::{Field, GeneralSweep};
 use super::second_order::SecondOrderSweep;
 use super::sweep::Sweep;
-use crate::bulk::{Modal, Parity, SplitForm, Stiffness};
+use crate::bulk::{CellStiffness, General, Modal, Parity, SplitForm};
+use crate::element::MAX_NODES;
+
+const SORTED: &str = "cells are sorted by the form of their stiffness";
 
 /// Which cells a loop runs over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,43 +24,81 @@ pub struct Cells {
     start: Vec<u32>,
     nodes: Vec<u32>,
     prototype: Vec<u32>,
-    stiffness: Vec<Stiffness>,
+    stiffness: Vec<CellStiffness>,
+    /// Positions of local nodes by displacement component (m); none where all cells are boxes.
+    points: Vec<[f64; 3]>,
     layer: Vec<u32>,
     all: Sweeps,
     near: Sweeps,
 }
 
-/// The cells of a set by their order.
+/// The cells of a set by the form of their stiffness.
+#[derive(Default)]
 struct Sweeps {
     first: Sweep,
     second: SecondOrderSweep,
+    general: GeneralSweep,
 }
 
 impl Cells {
     /// `nodes` gives the local nodes of a cell in the order of its shape, `prototype` the index of
-    /// each cell's stiffness.
+    /// each cell's stiffness, `points` the positions of the local nodes (m), whose displacement
+    /// components lie along `axes`.
     pub fn new<'n>(
-        dim: usize,
+        axes: &[usize],
         nodes: impl Iterator<Item = Vec<u32>> + 'n,
         prototype: Vec<u32>,
-        stiffness: Vec<Stiffness>,
+        stiffness: Vec<CellStiffness>,
+        points: &[[f64; 3]],
     ) -> Self {
         let (mut start, mut list) = (vec![0], Vec::new());
         for nodes in nodes {
             list.extend(nodes);
             start.push(list.len() as u32);
         }
-        let none = || Sweeps::new(dim, &stiffness, std::iter::empty());
-        let (all, near) = (none(), none());
-        let nodes = list;
-        let mut cells = Self { dim, start, nodes, prototype, stiffness, layer: vec![], all, near };
+        let mut cells = Self {
+            dim: axes.len(),
+            start,
+            nodes: list,
+            prototype,
+            stiffness,
+            points: Vec::new(),
+            layer: Vec::new(),
+            all: Sweeps::default(),
+            near: Sweeps::default(),
+        };
+        if cells.stiffness.iter().any(|s| matches!(s, CellStiffness::General(_))) {
+            let along = |point: &[f64; 3]| {
+                let mut out = [0.0; 3];
+                axes.iter().enumerate().for_each(|(c, axis)| out[c] = point[*axis]);
+                out
+            };
+            cells.points = points.iter().map(along).collect();
+        }
         cells.all = cells.sweeps(0..cells.len());
         cells
     }
 
     fn sweeps(&self, cells: impl Iterator<Item = usize> + Clone) -> Sweeps {
-        let cells = cells.map(|c| (self.nodes(c), self.prototype[c]));
-        Sweeps::new(self.dim, &self.stiffness, cells)
+        let with = |is: fn(&CellStiffness) -> bool| {
+            let of = move |c: &usize| is(&self.stiffness[self.prototype[*c] as usize]);
+            let chosen = cells.clone().filter(of);
+            chosen.map(|c| (self.nodes(c), self.prototype[c]))
+        };
+        Sweeps {
+            first: Sweep::new(self.dim, with(|s| modal(s).is_some())),
+            second: SecondOrderSweep::new(self.dim, with(|s| parity(s).is_some())),
+            general: GeneralSweep::new(
+                |prototype| self.general(prototype),
+                &self.points,
+                with(|s| general(s).is_some()),
+            ),
+        }
+    }
+
+    /// The stiffness of a prototype of cells that are no boxes.
+    fn general(&self, prototype: u32) -> &General {
+        general(&self.stiffness[prototype as usize]).expect(SORTED)
     }
 
     /// Number of cells.
@@ -79,18 +121,61 @@ impl Cells {
         &self.nodes
     }
 
-    /// The stiffness of a cell.
-    pub fn stiffness(&self, cell: usize) -> &Stiffness {
-        &self.stiffness[self.prototype[cell] as usize]
+    /// K of a cell, row by row: (n dim) x (n dim), N/m (2D: per metre of thickness). The `buffer`
+    /// holds it where the cell shares it with no other.
+    pub fn matrix<'a>(&'a self, cell: usize, buffer: &'a mut Vec<f64>) -> &'a [f64] {
+        match &self.stiffness[self.prototype[cell] as usize] {
+            CellStiffness::Box(stiffness) => &stiffness.matrix,
+            CellStiffness::General(general) => {
+                let size = self.nodes(cell).len() * self.dim;
+                buffer.resize(size * size, 0.0);
+                general.matrix(self.points_of(cell, &mut [[0.0; 3]; MAX_NODES]), buffer);
+                buffer
+            }
+        }
+    }
+
+    /// Stress at the centre of a cell under the displacements `u` of its nodes (Pa): xx, yy, zz,
+    /// xy, yz, xz, in 2D too (plane strain).
+    pub fn stress(&self, cell: usize, u: &[f64]) -> [f64; 6] {
+        match &self.stiffness[self.prototype[cell] as usize] {
+            CellStiffness::Box(stiffness) => stiffness.stress(u),
+            CellStiffness::General(general) => {
+                general.stress(self.points_of(cell, &mut [[0.0; 3]; MAX_NODES]), u)
+            }
+        }
+    }
+
+    /// Positions of the nodes of a general cell by displacement component (m).
+    fn points_of<'b>(&self, cell: usize, buffer: &'b mut [[f64; 3]; MAX_NODES]) -> &'b [[f64; 3]] {
+        let nodes = self.nodes(cell);
+        for (out, node) in buffer.iter_mut().zip(nodes) {
+            *out = self.points[*node as usize];
+        }
+        &buffer[..nodes.len()]
+    }
+
+    /// Calls `act` with the diagonal of the stiffness of a cell (N/m), by node and component.
+    fn with_diagonal<T>(&self, cell: usize, act: impl FnOnce(&[f64]) -> T) -> T {
+        let mut diagonal = [0.0; 3 * MAX_NODES];
+        let n = self.nodes(cell).len() * self.dim;
+        let diagonal = &mut diagonal[..n];
+        match &self.stiffness[self.prototype[cell] as usize] {
+            CellStiffness::Box(stiffness) => {
+                let entries = stiffness.matrix.iter().step_by(n + 1);
+                diagonal.iter_mut().zip(entries).for_each(|(out, k)| *out = *k);
+            }
+            CellStiffness::General(general) => {
+                general.diagonal(self.points_of(cell, &mut [[0.0; 3]; MAX_NODES]), diagonal);
+            }
+        }
+        act(diagonal)
     }
 
     /// The largest diagonal entry of any stiffness (N/m), 0 without cells.
     pub fn largest_diagonal(&self) -> f64 {
-        let diagonal = |s: &Stiffness| {
-            let n = s.matrix.len().isqrt();
-            (0..n).map(|i| s.matrix[i * n + i]).fold(0.0, f64::max)
-        };
-        self.stiffness.iter().map(diagonal).fold(0.0, f64::max)
+        let largest = |d: &[f64]| d.iter().fold(0.0, |m: f64, k| m.max(*k));
+        (0..self.len()).map(|cell| self.with_diagonal(cell, largest)).fold(0.0, f64::max)
     }
 
     /// The cells that touch a secondary node.
@@ -114,65 +199,74 @@ impl Cells {
         magnitude: Option<&mut [f64]>,
     ) {
         let sweeps = if set == CellSet::All { &self.all } else { &self.near };
-        sweeps.add_forces(&self.stiffness, u, [force, &mut []], magnitude);
+        sweeps.add_forces(self, u, [force, &mut []], magnitude);
     }
 
     /// As [`Cells::add_forces`] of all cells, with the forces at owned nodes apart from those at
     /// ghosts. Local.
     pub fn add_forces_apart(&self, u: &[f64], owned: &mut [f64], ghosts: &mut [f64]) {
-        self.all.add_forces(&self.stiffness, u, [owned, ghosts], None);
+        self.all.add_forces(self, u, [owned, ghosts], None);
     }
 
     /// Adds the diagonal of the stiffness (N/m), `dim` numbers per local node. Local.
     pub fn add_diagonal(&self, diagonal: &mut [f64]) {
         let dim = self.dim;
         for cell in 0..self.len() {
-            let matrix = &self.stiffness(cell).matrix;
-            let n = self.nodes(cell).len() * dim;
-            for (a, node) in self.nodes(cell).iter().enumerate() {
-                for c in 0..dim {
-                    diagonal[*node as usize * dim + c] += matrix[(a * dim + c) * (n + 1)];
+            self.with_diagonal(cell, |of_cell| {
+                for (node, entries) in self.nodes(cell).iter().zip(of_cell.chunks_exact(dim)) {
+                    let at = &mut diagonal[*node as usize * dim..][..dim];
+                    at.iter_mut().zip(entries).for_each(|(at, k)| *at += k);
                 }
-            }
+            });
         }
     }
 }
 
-impl Sweeps {
-    fn new<'a>(
-        dim: usize,
-        stiffness: &[Stiffness],
-        cells: impl Iterator<Item = (&'a [u32], u32)> + Clone,
-    ) -> Self {
-        let is_first =
-            |prototype: u32| matches!(stiffness[prototype as usize].form, SplitForm::First(_));
-        let first = Sweep::new(dim, cells.clone().filter(|(_, p)| is_first(*p)));
-        let second = SecondOrderSweep::new(dim, cells.filter(|(_, p)| !is_first(*p)));
-        Self { first, second }
+fn modal(stiffness: &CellStiffness) -> Option<&Modal> {
+    match stiffness {
+        CellStiffness::Box(stiffness) => match &stiffness.form {
+            SplitForm::First(modal) => Some(modal),
+            SplitForm::Second(_) => None,
+        },
+        CellStiffness::General(_) => None,
     }
+}
 
+fn parity(stiffness: &CellStiffness) -> Option<&Parity> {
+    match stiffness {
+        CellStiffness::Box(stiffness) => match &stiffness.form {
+            SplitForm::First(_) => None,
+            SplitForm::Second(parity) => Some(parity),
+        },
+        CellStiffness::General(_) => None,
+    }
+}
+
+fn general(stiffness: &CellStiffness) -> Option<&General> {
+    match stiffness {
+        CellStiffness::Box(_) => None,
+        CellStiffness::General(general) => Some(general),
+    }
+}
+
+impl Sweeps {
     /// As [`Cells::add_forces`], the forces at the first nodes apart from those at the others.
     fn add_forces(
         &self,
-        stiffness: &[Stiffness],
+        cells: &Cells,
         u: &[f64],
         [first, others]: [&mut [f64]; 2],
         mut magnitude: Option<&mut [f64]>,
     ) {
-        let modal = |prototype: u32| -> &Modal {
-            let SplitForm::First(modal) = &stiffness[prototype as usize].form else {
-                unreachable!("sorted by order");
-            };
-            modal
-        };
-        let parity = |prototype: u32| -> &Parity {
-            let SplitForm::Second(parity) = &stiffness[prototype as usize].form else {
-                unreachable!("sorted by order");
-            };
-            parity
-        };
+        let of = |prototype: u32| &cells.stiffness[prototype as usize];
         let sizes = magnitude.as_deref_mut();
+        let modal = |prototype| modal(of(prototype)).expect(SORTED);
         self.first.add_forces(modal, u, [&mut *first, &mut *others], sizes);
-        self.second.add_forces(parity, u, [first, others], magnitude);
+        let sizes = magnitude.as_deref_mut();
+        let parity = |prototype| parity(of(prototype)).expect(SORTED);
+        self.second.add_forces(parity, u, [&mut *first, &mut *others], sizes);
+        let general = |prototype| cells.general(prototype);
+        let field = Field { points: &cells.points, u };
+        self.general.add_forces(general, field, [first, others], magnitude);
     }
 }

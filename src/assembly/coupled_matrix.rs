@@ -68,7 +68,7 @@ impl CoupledMatrix {
     }
 
     fn pressures(&self, pores: &PoreSpace, cell: &PoreCell) -> Vec<i32> {
-        cell.nodes[..1 << pores.dim].iter().map(|n| self.pressure(pores, *n)).collect()
+        cell.corners().iter().map(|n| self.pressure(pores, *n)).collect()
     }
 
     /// An empty matrix, its rows counted exactly. Collective.
@@ -93,7 +93,7 @@ impl CoupledMatrix {
             for node in &coupled {
                 of_nodes[*node as usize].extend_from_slice(&columns);
             }
-            let free = cell.nodes[..1 << dim].iter().filter(|n| !pores.prescribed[**n as usize]);
+            let free = cell.corners().iter().filter(|n| !pores.prescribed[**n as usize]);
             for node in free {
                 let list = &mut of_pressures[*node as usize];
                 list.extend(coupled.iter().flat_map(|n| self.components(*n, dim)));
@@ -182,7 +182,7 @@ impl CoupledMatrix {
         coupled: &mut Vec<u32>,
         matrix: &mut Matrix,
     ) -> Result<()> {
-        let (dim, np, scale) = (all.dim, 1 << all.dim, values.scale);
+        let (dim, np, scale) = (all.dim, cell.corners().len(), values.scale);
         let numbers = self.pressures(pores, cell);
         if numbers.iter().all(|number| *number < 0) {
             return Ok(());
@@ -193,9 +193,8 @@ impl CoupledMatrix {
         let mut across = vec![0.0; width * np];
         let mut back = vec![0.0; width * np];
         let coupling = pores.prototypes[cell.prototype as usize].coupling();
-        for (i, (row, expansion)) in coupling.chunks_exact(np).zip(&expansions).enumerate() {
+        for (row, expansion) in coupling.chunks_exact(np).zip(&expansions) {
             for (unknown, a) in expansion {
-                let unknown = unknown * dim + i % dim;
                 for (b, q) in row.iter().enumerate() {
                     across[unknown * np + b] -= scale * a * q;
                     back[b * width + unknown] -= scale * a * q;

@@ -97,7 +97,7 @@ impl Films {
             let rows = &all.secondary[node.secondary as usize];
             let Some(row) = &rows.rows[dim - 1] else { continue };
             let push = row.weight * (Self::at(node, p) - reference);
-            row.spread(rows.node, push, |node, f| force[node as usize * dim + dim - 1] += f);
+            row.spread(rows.own(dim - 1), push, |unknown, f| force[unknown as usize] += f);
         }
     }
 
@@ -138,7 +138,6 @@ impl Films {
     ) {
         let Some(fluid) = &self.fluid else { return };
         let PoroState { displacement: u, pressure: p } = state;
-        let along = std::array::from_fn(|c| if c + 1 < all.dim { gravity[c] } else { 0.0 });
         let (mut opening, mut pressure) = (Vec::new(), Vec::new());
         for facet in &self.facets {
             opening.clear();
@@ -146,7 +145,7 @@ impl Films {
             pressure.clear();
             pressure.extend(facet.corners.iter().map(|c| p[*c as usize] - fluid.reference));
             let film = &self.prototypes[facet.prototype as usize];
-            let state = FilmState { opening: &opening, pressure: &pressure, gravity: along };
+            let state = FilmState { opening: &opening, pressure: &pressure, gravity: *gravity };
             act(facet, film, fluid, state);
         }
     }

@@ -6,6 +6,8 @@
 
 mod cells;
 mod films;
+mod frames;
+mod general;
 mod node_state;
 mod operator;
 mod pattern;
@@ -19,6 +21,7 @@ mod coupled_matrix;
 pub use cells::{CellSet, Cells};
 pub use coupled_matrix::{CoupledMatrix, CoupledValues};
 pub use films::{FilmFacet, FilmNode, FilmTangent, Films};
+pub use frames::{Framed, Frames};
 pub use node_state::NodeState;
 pub use operator::TangentOperator;
 pub use pattern::Pattern;
@@ -27,7 +30,7 @@ pub use saddle::{LawDerivative, SaddleTangent};
 pub use tangent::Tangent;
 
 use crate::interface::JumpRows;
-use crate::space::{Nodes, Prescribed};
+use crate::space::Nodes;
 
 /// What the assembly knows of the discretisation, by local number.
 pub struct Discretization {
@@ -37,7 +40,9 @@ pub struct Discretization {
     pub cells: Cells,
     /// The nodes of this rank.
     pub nodes: Nodes,
-    /// Prescribed components of each local node.
+    /// The nodes whose unknowns are not their displacements.
+    pub frames: Frames,
+    /// Prescribed unknowns of each local node.
     pub prescribed: Vec<[bool; 3]>,
     /// Jump rows of the secondary nodes, owned ones first, by rising local number.
     pub secondary: Vec<JumpRows<u32>>,
@@ -46,25 +51,25 @@ pub struct Discretization {
 }
 
 impl Discretization {
-    /// Puts the parts together; `rows` name their nodes, all of which `nodes` must hold.
+    /// Puts the parts together; `rows` name their nodes, all of which `nodes` must hold, and are
+    /// those of displacements; `prescribed` are the prescribed unknowns of each local node.
     pub fn new(
         dim: usize,
         cells: Cells,
         nodes: Nodes,
-        prescribed: &Prescribed,
+        frames: Frames,
+        prescribed: Vec<[bool; 3]>,
         rows: Vec<JumpRows<u64>>,
     ) -> Self {
-        let mut secondary: Vec<JumpRows<u32>> = rows
-            .into_iter()
-            .map(|r| r.renamed(|name| nodes.local(name).expect("the row's nodes are held")))
-            .collect();
+        let local = |name| nodes.local(name).expect("the row's nodes are held");
+        let mut secondary: Vec<JumpRows<u32>> =
+            rows.into_iter().map(|rows| frames.rows(rows.renamed(local))).collect();
         secondary.sort_by_key(|r| r.node);
         let mut secondary_of = vec![None; nodes.len()];
         for (index, rows) in secondary.iter().enumerate() {
             secondary_of[rows.node as usize] = Some(index as u32);
         }
-        let prescribed = nodes.marks.iter().map(|node| prescribed.components_of(node)).collect();
-        let mut all = Self { dim, cells, nodes, prescribed, secondary, secondary_of };
+        let mut all = Self { dim, cells, nodes, frames, prescribed, secondary, secondary_of };
         all.mark_interface_cells();
         all
     }
@@ -85,7 +90,66 @@ impl Discretization {
     pub fn jump(&self, index: usize, component: usize, u: &[f64]) -> f64 {
         let rows = &self.secondary[index];
         let Some(row) = &rows.rows[component] else { return 0.0 };
-        row.trace(rows.node, |node| u[node as usize * self.dim + component])
+        row.trace(rows.own(component), |unknown| u[unknown as usize])
+    }
+
+    /// Adds the forces of the cells in `set` at the unknowns `u` to `force` (N), both `dim` numbers
+    /// per local node; `magnitude` as for [`Cells::add_forces`]. Local.
+    pub fn add_forces(
+        &self,
+        set: CellSet,
+        u: &[f64],
+        force: &mut [f64],
+        magnitude: Option<&mut [f64]>,
+    ) {
+        if self.frames.is_empty() {
+            return self.cells.add_forces(set, u, force, magnitude);
+        }
+        let mut of_cells = vec![0.0; force.len()];
+        self.cells.add_forces(set, &self.frames.displacements(u), &mut of_cells, magnitude);
+        self.frames.fold(&mut of_cells);
+        force.iter_mut().zip(of_cells).for_each(|(f, of_cells)| *f += of_cells);
+    }
+
+    /// As [`Discretization::add_forces`] of all cells without magnitudes, with the forces at owned
+    /// nodes apart from those at ghosts. Local.
+    pub fn add_forces_apart(&self, u: &[f64], owned: &mut [f64], ghosts: &mut [f64]) {
+        if self.frames.is_empty() {
+            return self.cells.add_forces_apart(u, owned, ghosts);
+        }
+        let mut force = vec![0.0; u.len()];
+        self.add_forces(CellSet::All, u, &mut force, None);
+        let (own, far) = force.split_at(owned.len());
+        owned.iter_mut().zip(own).for_each(|(f, of_cells)| *f += of_cells);
+        ghosts.iter_mut().zip(far).for_each(|(f, of_cells)| *f += of_cells);
+    }
+
+    /// The stiffness of a cell between the unknowns of its nodes, row by row (N/m), in `buffer`
+    /// where it is not at hand. Local.
+    pub fn cell_matrix<'m>(&'m self, cell: usize, buffer: &'m mut Vec<f64>) -> &'m [f64] {
+        let nodes = self.cells.nodes(cell);
+        if !self.frames.touch(nodes) {
+            return self.cells.matrix(cell, buffer);
+        }
+        let mut framed = self.cells.matrix(cell, buffer).to_vec();
+        self.frames.fold_matrix(nodes, &mut framed);
+        *buffer = framed;
+        buffer
+    }
+
+    /// Adds the diagonal of the cells' stiffness (N/m), `dim` numbers per local node. Local.
+    pub fn add_diagonal(&self, diagonal: &mut [f64]) {
+        if self.frames.is_empty() {
+            return self.cells.add_diagonal(diagonal);
+        }
+        let (dim, mut buffer) = (self.dim, Vec::new());
+        for cell in 0..self.cells.len() {
+            let nodes = self.cells.nodes(cell);
+            let matrix = self.cell_matrix(cell, &mut buffer);
+            for (i, entry) in matrix.iter().step_by(nodes.len() * dim + 1).enumerate() {
+                diagonal[nodes[i / dim] as usize * dim + i % dim] += entry;
+            }
+        }
     }
 
     /// Calls `act` with node and component of every owned prescribed component. Local.
@@ -112,9 +176,10 @@ impl Discretization {
         for i in 0..out.len() {
             let Some(index) = self.secondary_of[out[i] as usize] else { continue };
             for row in self.secondary[index as usize].rows.iter().flatten() {
-                for (node, _) in &row.others {
-                    if !out.contains(node) {
-                        out.push(*node);
+                for (unknown, _) in &row.others {
+                    let node = unknown / self.dim as u32;
+                    if !out.contains(&node) {
+                        out.push(node);
                     }
                 }
             }
@@ -130,7 +195,7 @@ impl Discretization {
             for (c, row) in rows.rows[..self.dim].iter().enumerate() {
                 let Some(row) = row else { continue };
                 let traction = row.weight * traction(index, c);
-                row.spread(rows.node, traction, |node, f| force[node as usize * self.dim + c] += f);
+                row.spread(rows.own(c), traction, |unknown, f| force[unknown as usize] += f);
             }
         }
         self.nodes.add_to_owners(force, self.dim);

@@ -3,6 +3,8 @@
 //! Where [`NodeState::jump`] says so, the unknown at a secondary component is not the displacement
 //! but what it has beyond the primary side's.
 
+#![allow(clippy::needless_range_loop)] // index notation over several arrays at once
+
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -55,7 +57,7 @@ impl TangentOperator {
         let ghosts = size - all.nodes.owned * dim;
         let work = RefCell::new([vec![0.0; size], vec![0.0; ghosts]]);
         let mut stiffness = vec![0.0; size];
-        all.cells.add_diagonal(&mut stiffness);
+        all.add_diagonal(&mut stiffness);
         all.nodes.add_to_owners(&mut stiffness, dim);
         all.nodes.update_ghosts(&mut stiffness, dim);
         Self { all, diagonal, state, prescribed, stiffness, work }
@@ -97,8 +99,8 @@ impl TangentOperator {
             for (c, row) in rows.rows[..dim].iter().enumerate() {
                 let follows = state.stuck[c] || state.jump[c];
                 let Some(row) = row.as_ref().filter(|_| follows) else { continue };
-                let followed = row.trace_of_others(|node| u[node as usize * dim + c]);
-                let own = &mut u[rows.node as usize * dim + c];
+                let followed = row.trace_of_others(|unknown| u[unknown as usize]);
+                let own = &mut u[rows.own(c) as usize];
                 *own = if state.stuck[c] { 0.0 } else { *own } - followed / row.own;
             }
         }
@@ -111,8 +113,8 @@ impl TangentOperator {
         for rows in &self.all.secondary {
             for (c, row) in rows.rows[..dim].iter().enumerate() {
                 let Some(row) = row else { continue };
-                let followed = row.trace_of_others(|node| u[node as usize * dim + c]);
-                u[rows.node as usize * dim + c] += followed / row.own;
+                let followed = row.trace_of_others(|unknown| u[unknown as usize]);
+                u[rows.own(c) as usize] += followed / row.own;
             }
         }
     }
@@ -130,7 +132,7 @@ impl TangentOperator {
         for (rows, state) in all.secondary.iter().zip(&*self.state.borrow()) {
             for (c, row) in rows.rows[..dim].iter().enumerate() {
                 let Some(row) = row else { continue };
-                let own = rows.node as usize * dim + c;
+                let own = rows.own(c) as usize;
                 // A force on a jump is one on the displacement and its reaction on the others.
                 let on_jump = on_jumps.map_or(0.0, |on_jumps| on_jumps[own]);
                 let carried = match (state.stuck[c], state.jump[c]) {
@@ -141,7 +143,7 @@ impl TangentOperator {
                         if jump { -before } else { on_jump }
                     }
                 } / row.own;
-                row.spread_to_others(carried, |node, f| *force.at(node as usize * dim + c) += f);
+                row.spread_to_others(carried, |unknown, f| *force.at(unknown as usize) += f);
             }
         }
         let Apart { owned, ghosts } = force;
@@ -239,7 +241,7 @@ impl TangentOperator {
             let mut jump = [0.0; 3];
             for c in 0..dim {
                 if let Some(row) = free(c) {
-                    let of_row = row.trace(rows.node, |node| u[node as usize * dim + c]);
+                    let of_row = row.trace(rows.own(c), |unknown| u[unknown as usize]);
                     jump[c] = row.weight.sqrt() * of_row;
                 }
             }
@@ -247,8 +249,8 @@ impl TangentOperator {
                 if let Some(row) = free(c) {
                     let traction: f64 = (0..dim).map(|d| state.tangent[c][d] * jump[d]).sum();
                     let on_row = row.weight.sqrt() * traction;
-                    row.spread(rows.node, on_row, |node, f| {
-                        *force.at(node as usize * dim + c) += f;
+                    row.spread(rows.own(c), on_row, |unknown, f| {
+                        *force.at(unknown as usize) += f;
                     });
                 }
             }
@@ -281,7 +283,7 @@ impl TangentOperator {
         self.expand(u);
         y.fill(0.0);
         ghosts.fill(0.0);
-        all.cells.add_forces_apart(u, y, ghosts);
+        all.add_forces_apart(u, y, ghosts);
         let mut force = Apart { owned: &mut *y, ghosts };
         self.add_law(u, &mut force);
         beside(u, &mut force);

@@ -9,7 +9,6 @@ use super::Discretization;
 use super::films::Films;
 use crate::bulk::{BalanceSums, FlowStep, MAX_CORNERS, PoroState, PorousCell};
 use crate::comm::Comm;
-use crate::element::Shape;
 use crate::simd::{Kernel, widest};
 use crate::space::Nodes;
 
@@ -20,8 +19,19 @@ pub struct PoreCell {
     pub cell: u32,
     /// Index among the prototypes.
     pub prototype: u32,
-    /// Local pressure nodes, in the order of the corners of the cell.
+    /// Local pressure nodes, in the order of the corners of the cell; those of cells with fewer
+    /// stand first.
     pub nodes: [u32; MAX_CORNERS],
+    /// Corners of the cell.
+    pub count: u8,
+}
+
+impl PoreCell {
+    /// Local pressure nodes, in the order of the corners of the cell.
+    #[inline(always)]
+    pub fn corners(&self) -> &[u32] {
+        &self.nodes[..self.count as usize]
+    }
 }
 
 /// A pressure node of a secondary lip, whose pressure follows from those of others.
@@ -98,15 +108,11 @@ impl PoreSpace {
         }
     }
 
-    fn corners(&self) -> usize {
-        1 << self.dim
-    }
-
     /// The cell's pressures above the reference.
     #[inline(always)]
     fn pressures(&self, cell: &PoreCell, p: &[f64], reference: f64) -> [f64; MAX_CORNERS] {
         let mut of = [0.0; MAX_CORNERS];
-        for (of, node) in of.iter_mut().zip(&cell.nodes[..self.corners()]) {
+        for (of, node) in of.iter_mut().zip(cell.corners()) {
             *of = p[*node as usize] - reference;
         }
         of
@@ -121,9 +127,9 @@ impl PoreSpace {
 
     #[inline(always)]
     fn add_cell_forces(&self, all: &Discretization, p: &[f64], absolute: bool, force: &mut [f64]) {
-        let np = self.corners();
         let mut of_cell = Vec::new();
         for cell in &self.cells {
+            let np = cell.corners().len();
             let like = &self.prototypes[cell.prototype as usize];
             let reference = if absolute { like.medium.reference } else { 0.0 };
             let p = self.pressures(cell, p, reference);
@@ -144,13 +150,16 @@ impl PoreSpace {
     /// The largest sum of the magnitudes of what displacements of 1 m add to the balance at a node
     /// of this rank's cells (m3/m). Local.
     pub fn largest_coupling(&self) -> f64 {
-        let corners = self.corners();
         let at = |cell: &PorousCell, corner: usize| {
+            let corners = cell.corners();
             cell.coupling().iter().skip(corner).step_by(corners).map(|k| k.abs()).sum::<f64>()
         };
-        let all = |cell| (0..corners).map(move |corner| at(cell, corner));
-        // As many cells meet at a node.
-        corners as f64 * self.prototypes.iter().flat_map(all).fold(0.0, f64::max)
+        let all = |cell: &PorousCell| {
+            (0..cell.corners()).map(|corner| at(cell, corner)).fold(0.0, f64::max)
+        };
+        // As many boxes meet at a node.
+        let boxes = f64::from(1 << self.dim);
+        boxes * self.prototypes.iter().map(all).fold(0.0, f64::max)
     }
 
     /// Adds b times the volume that displacements make in cells, and the volume that opens between
@@ -163,14 +172,13 @@ impl PoreSpace {
 
     #[inline(always)]
     fn add_cell_volumes(&self, all: &Discretization, u: &[f64], volume: &mut [f64]) {
-        let np = self.corners();
         let mut of_cell = Vec::new();
         for cell in self.cells.iter().filter(|cell| self.is_free(cell)) {
             self.gather(all, cell, u, &mut of_cell);
             let mut own = [0.0; MAX_CORNERS];
             let like = &self.prototypes[cell.prototype as usize];
             like.add_volume(&of_cell, &mut own);
-            for (node, v) in cell.nodes[..np].iter().zip(&own) {
+            for (node, v) in cell.corners().iter().zip(&own) {
                 volume[*node as usize] += v;
             }
         }
@@ -179,7 +187,7 @@ impl PoreSpace {
     /// Whether a pressure of the cell is to be found.
     #[inline(always)]
     fn is_free(&self, cell: &PoreCell) -> bool {
-        cell.nodes[..self.corners()].iter().any(|n| !self.prescribed[*n as usize])
+        cell.corners().iter().any(|n| !self.prescribed[*n as usize])
     }
 
     /// Adds the balance of the fluid at the end of a step at the local nodes, and the magnitudes of
@@ -238,9 +246,10 @@ impl PoreSpace {
         sums: BalanceSums<'_>,
         act: impl Fn(&PoreCell, &PorousCell, &[f64], BalanceSums<'_>),
     ) {
-        let (np, BalanceSums { rows, sizes }) = (self.corners(), sums);
+        let BalanceSums { rows, sizes } = sums;
         let mut of_cell = Vec::new();
         for cell in self.cells.iter().filter(|cell| every || self.is_free(cell)) {
+            let np = cell.corners().len();
             if !u.is_empty() {
                 self.gather(all, cell, u, &mut of_cell);
             }
@@ -248,7 +257,7 @@ impl PoreSpace {
             let like = &self.prototypes[cell.prototype as usize];
             let sums = BalanceSums { rows: &mut own[..np], sizes: &mut size[..np] };
             act(cell, like, &of_cell, sums);
-            for (node, (own, size)) in cell.nodes[..np].iter().zip(own.iter().zip(&size)) {
+            for (node, (own, size)) in cell.corners().iter().zip(own.iter().zip(&size)) {
                 rows[*node as usize] += own;
                 sizes[*node as usize] += size;
             }
@@ -278,8 +287,7 @@ impl PoreSpace {
         let mut at = vec![[0.0; 2]; all.nodes.len()];
         for cell in &self.cells {
             let nodes = all.cells.nodes(cell.cell as usize);
-            let order = if nodes.len() > 1 << all.dim { 2 } else { 1 };
-            let shape = Shape::of(all.dim, order);
+            let shape = self.prototypes[cell.prototype as usize].shape();
             for (node, xi) in nodes.iter().zip(shape.node_points()) {
                 let mut values = [0.0; MAX_CORNERS];
                 shape.corners().values(*xi, &mut values);
@@ -360,11 +368,10 @@ impl PoreSpace {
     /// Adds the product of the matrices that [`PoreSpace::assemble`] would add, `like` by
     /// prototype, with expanded pressures, at all local nodes. Local.
     pub fn add_product(&self, like: &[Vec<f64>], p: &[f64], rows: &mut [f64]) {
-        let np = self.corners();
         for cell in self.cells.iter().filter(|cell| self.is_free(cell)) {
-            let of = self.pressures(cell, p, 0.0);
+            let (of, nodes) = (self.pressures(cell, p, 0.0), cell.corners());
             let matrix = &like[cell.prototype as usize];
-            for (row, node) in matrix.chunks_exact(np).zip(&cell.nodes) {
+            for (row, node) in matrix.chunks_exact(nodes.len()).zip(nodes) {
                 rows[*node as usize] += row.iter().zip(&of).map(|(k, p)| k * p).sum::<f64>();
             }
         }

@@ -92,8 +92,10 @@ impl SaddleTangent {
     }
 
     fn fill(&self, all: &Discretization, law: &[LawDerivative], matrix: &mut Matrix) -> Result<()> {
-        let mut values = Vec::new();
+        let (mut buffer, mut values) = (Vec::new(), Vec::new());
         for cell in 0..all.cells.len() {
+            values.clear();
+            values.extend_from_slice(all.cell_matrix(cell, &mut buffer));
             self.add_cell(all, cell, &mut values, matrix)?;
         }
         for (node, prescribed) in all.prescribed[..all.nodes.owned].iter().enumerate() {
@@ -105,19 +107,18 @@ impl SaddleTangent {
         Ok(())
     }
 
-    /// The stiffness of a cell without the rows and columns of prescribed components.
+    /// The stiffness of a cell, which `values` hold, without the rows and columns of prescribed
+    /// components.
     fn add_cell(
         &self,
         all: &Discretization,
         cell: usize,
-        values: &mut Vec<f64>,
+        values: &mut [f64],
         matrix: &mut Matrix,
     ) -> Result<()> {
         let (nodes, dim) = (all.cells.nodes(cell), all.dim);
         let width = nodes.len() * dim;
         let fixed = |i: usize| all.prescribed[nodes[i / dim] as usize][i % dim];
-        values.clear();
-        values.extend_from_slice(&all.cells.stiffness(cell).matrix);
         for i in (0..width).filter(|i| fixed(*i)) {
             for j in 0..width {
                 values[i * width + j] = 0.0;
@@ -163,10 +164,13 @@ impl SaddleTangent {
         for node in rows.nodes() {
             let (mut column, mut row) = (vec![0.0; dim * dim], vec![0.0; dim * dim]);
             for d in (0..dim).filter(|d| !all.prescribed[node as usize][*d]) {
-                let entry = self.scale * rows.coefficient(d, node);
-                column[d * dim + d] = entry;
-                for c in (0..dim).filter(|c| has_row(*c)) {
-                    row[c * dim + d] = by_jump(c, d) * entry;
+                let unknown = node * dim as u32 + d as u32;
+                for e in 0..dim {
+                    let entry = self.scale * rows.coefficient(e, unknown);
+                    column[d * dim + e] = entry;
+                    for c in (0..dim).filter(|c| has_row(*c)) {
+                        row[c * dim + d] += by_jump(c, e) * entry;
+                    }
                 }
             }
             let number = [self.numbers[node as usize]];

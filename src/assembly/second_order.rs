@@ -24,6 +24,7 @@ struct Batch {
 }
 
 /// A set of cells in batches.
+#[derive(Default)]
 pub struct SecondOrderSweep {
     dim: usize,
     batches: Vec<Batch>,

@@ -35,6 +35,7 @@ struct Batch {
 }
 
 /// A set of cells in batches.
+#[derive(Default)]
 pub struct Sweep {
     dim: usize,
     batches: Vec<Batch>,

@@ -20,7 +20,8 @@ pub struct Tangent {
     assembled: bool,
 }
 
-/// How one component of one node appears in the unknowns.
+/// How one component of one node appears in the unknowns of the coupled nodes, which are counted
+/// node by node.
 type Expansion = Vec<(usize, f64)>;
 
 impl Tangent {
@@ -103,7 +104,7 @@ impl Tangent {
     ) -> Result<()> {
         let nodes = all.cells.nodes(cell);
         let dim = all.dim;
-        let stiffness = &all.cells.stiffness(cell).matrix;
+        let stiffness = all.cell_matrix(cell, &mut work.cell);
         let near_interface = nodes.iter().any(|n| all.secondary_of[*n as usize].is_some());
         if near_interface {
             all.coupled_nodes(cell, &mut work.coupled);
@@ -124,7 +125,7 @@ impl Tangent {
             return matrix.add_blocked(&work.rows, &work.columns, stiffness);
         }
         let expansions = expand_cell(all, state, cell, &work.coupled);
-        transform(stiffness, &expansions, work.coupled.len(), dim, &mut work.values);
+        transform(stiffness, &expansions, work.coupled.len() * dim, &mut work.values);
         matrix.add_blocked(&work.rows, &work.columns, &work.values)
     }
 
@@ -169,6 +170,8 @@ fn identity_components(all: &Discretization, state: &[NodeState], node: usize) -
 
 #[derive(Default)]
 struct Work {
+    /// Stiffness of the cell.
+    cell: Vec<f64>,
     coupled: Vec<u32>,
     rows: Vec<i32>,
     columns: Vec<i32>,
@@ -195,11 +198,16 @@ fn expand(
     component: usize,
     coupled: &[u32],
 ) -> Expansion {
-    let place = |n: u32| coupled.iter().position(|c| *c == n).expect("a coupled node");
+    let dim = all.dim;
+    let place = |node: u32, component: usize| {
+        let place = coupled.iter().position(|c| *c == node).expect("a coupled node");
+        place * dim + component
+    };
+    let own = |a: f64| (place(node, component), a);
     if all.prescribed[node as usize][component] {
         return Vec::new();
     }
-    let Some(index) = all.secondary_of[node as usize] else { return vec![(place(node), 1.0)] };
+    let Some(index) = all.secondary_of[node as usize] else { return vec![own(1.0)] };
     let NodeState { stuck, jump, .. } = &state[index as usize];
     let (stuck, jump) = (stuck[component], jump[component]);
     let row = all.secondary[index as usize].rows[component].as_ref();
@@ -207,36 +215,30 @@ fn expand(
     let mut expansion: Expansion = follows
         .iter()
         .flat_map(|row| row.others.iter().map(|(n, a)| (*n, -a / row.own)))
-        .filter(|(n, _)| !all.prescribed[*n as usize][component])
-        .map(|(n, a)| (place(n), a))
+        .map(|(unknown, a)| (unknown / dim as u32, unknown as usize % dim, a))
+        .filter(|(node, component, _)| !all.prescribed[*node as usize][*component])
+        .map(|(node, component, a)| (place(node, component), a))
         .collect();
     if row.is_none() || !stuck {
-        expansion.push((place(node), 1.0));
+        expansion.push(own(1.0));
     }
     expansion
 }
 
-/// T^T K T, of `coupled` x `coupled` blocks.
-fn transform(
-    stiffness: &[f64],
-    expansions: &[Expansion],
-    coupled: usize,
-    dim: usize,
-    values: &mut Vec<f64>,
-) {
-    let width = coupled * dim;
+/// T^T K T, over `width` unknowns.
+fn transform(stiffness: &[f64], expansions: &[Expansion], width: usize, values: &mut Vec<f64>) {
     values.clear();
     values.resize(width * width, 0.0);
     let mut row_of_kt = vec![0.0; width];
-    for (i, (k, rows)) in stiffness.chunks_exact(expansions.len()).zip(expansions).enumerate() {
+    for (k, rows) in stiffness.chunks_exact(expansions.len()).zip(expansions) {
         row_of_kt.fill(0.0);
-        for (j, (k, columns)) in k.iter().zip(expansions).enumerate() {
+        for (k, columns) in k.iter().zip(expansions) {
             for (column, b) in columns {
-                row_of_kt[column * dim + j % dim] += k * b;
+                row_of_kt[*column] += k * b;
             }
         }
         for (row, a) in rows {
-            let target = &mut values[(row * dim + i % dim) * width..][..width];
+            let target = &mut values[row * width..][..width];
             target.iter_mut().zip(&row_of_kt).for_each(|(t, kt)| *t += a * kt);
         }
     }
@@ -247,10 +249,10 @@ fn transform(
 /// mean nothing. `state` gives the state of every entry of `all.secondary`. Local.
 pub(super) fn transform_diagonal(all: &Discretization, state: &[NodeState], diagonal: &mut [f64]) {
     let dim = all.dim;
-    let mut coupled = Vec::new();
+    let (mut coupled, mut buffer) = (Vec::new(), Vec::new());
     for cell in all.cells.layer() {
         let nodes = all.cells.nodes(*cell as usize);
-        let stiffness = &all.cells.stiffness(*cell as usize).matrix;
+        let stiffness = all.cell_matrix(*cell as usize, &mut buffer);
         all.coupled_nodes(*cell as usize, &mut coupled);
         let expansions = expand_cell(all, state, *cell as usize, &coupled);
         let n = expansions.len();
@@ -260,7 +262,7 @@ pub(super) fn transform_diagonal(all: &Discretization, state: &[NodeState], diag
             let own = nodes[i / dim] as usize * dim + i % dim;
             diagonal[own] -= stiffness[i * n + i];
             for (row, a) in rows {
-                moved[row * dim + i % dim].push((i, *a));
+                moved[*row].push((i, *a));
             }
         }
         for (unknown, moved) in moved.iter().enumerate() {
@@ -275,9 +277,10 @@ pub(super) fn transform_diagonal(all: &Discretization, state: &[NodeState], diag
         for c in (0..dim).filter(|c| !state.stuck[*c]) {
             let Some(row) = &rows.rows[c] else { continue };
             let stiffness = row.weight * state.tangent[c][c];
-            let moves = |node: u32| node == rows.node || !state.jump[c];
-            for (node, a) in row.coefficients(rows.node).filter(|(node, _)| moves(*node)) {
-                diagonal[node as usize * dim + c] += a * a * stiffness;
+            let own = rows.own(c);
+            let moves = |unknown: u32| unknown == own || !state.jump[c];
+            for (unknown, a) in row.coefficients(own).filter(|(unknown, _)| moves(*unknown)) {
+                diagonal[unknown as usize] += a * a * stiffness;
             }
         }
     }
@@ -295,19 +298,23 @@ fn add_law(
 ) -> Result<()> {
     let dim = all.dim;
     let nodes = rows.nodes();
-    // a[c][k]: coefficient of node k in the jump of component c; 0 where it is not an unknown.
-    let mut a = vec![vec![0.0; nodes.len()]; dim];
+    let width = nodes.len() * dim;
+    // a[c]: places among the components of the nodes and their coefficients in the jump of
+    // component c; none where they are no unknowns.
+    let mut a = vec![Vec::new(); dim];
     let mut weight = [0.0; 3];
     for c in (0..dim).filter(|c| !state.stuck[*c]) {
         let Some(row) = &rows.rows[c] else { continue };
         weight[c] = row.weight;
-        let acts = |n: u32| n == rows.node || !state.jump[c];
-        let free = |n: u32| acts(n) && !all.prescribed[n as usize][c];
-        for (k, node) in nodes.iter().enumerate().filter(|(_, n)| free(**n)) {
-            a[c][k] = rows.coefficient(c, *node);
+        let acts = |unknown: u32| unknown == rows.own(c) || !state.jump[c];
+        for (unknown, coefficient) in row.coefficients(rows.own(c)).filter(|(n, _)| acts(*n)) {
+            let (node, component) = (unknown / dim as u32, unknown as usize % dim);
+            if !all.prescribed[node as usize][component] {
+                let place = nodes.iter().position(|n| *n == node).expect("a node of the rows");
+                a[c].push((place * dim + component, coefficient));
+            }
         }
     }
-    let width = nodes.len() * dim;
     let mut values = vec![0.0; width * width];
     for c in 0..dim {
         for d in 0..dim {
@@ -315,9 +322,9 @@ fn add_law(
             if factor == 0.0 {
                 continue;
             }
-            for k in 0..nodes.len() {
-                for l in 0..nodes.len() {
-                    values[(k * dim + c) * width + l * dim + d] += factor * a[c][k] * a[d][l];
+            for (k, left) in &a[c] {
+                for (l, right) in &a[d] {
+                    values[k * width + l] += factor * left * right;
                 }
             }
         }

@@ -1,11 +1,10 @@
 //! Isotropic linear elasticity on boxes of first or second order, fully integrated or B-bar.
 //!
-//! Small strain, plane strain in 2D. All cells are boxes; those of one size, material and order are
-//! identical up to translation and share one stiffness.
+//! Small strain, plane strain in 2D. Boxes of one size, material and order are identical up to
+//! translation and share one stiffness.
 
 use super::{Modal, Parity};
 use crate::element::{Shape, gauss, mapping};
-use crate::mesh::{Prototype, axes};
 
 /// Lamé's constants (Pa).
 #[derive(Debug, Clone, Copy)]
@@ -27,7 +26,7 @@ impl Elastic {
 /// Stiffness of a box of nodes `n` and `dim` components, and what gives its stress.
 #[derive(Debug, Clone)]
 pub struct Stiffness {
-    dim: usize,
+    axes: &'static [usize],
     elastic: Elastic,
     /// K, row by row: (n dim) x (n dim), N/m (2D: per metre of thickness).
     pub matrix: Vec<f64>,
@@ -51,14 +50,21 @@ impl Stiffness {
     /// than the order, which is exact for a box. With `b_bar` the volumetric strain is replaced by
     /// its projection on the polynomials of one degree less than the order, so that nearly
     /// incompressible material does not lock (T. Hughes, Int. J. Numer. Methods Engrg. 15, 1980).
-    pub fn new(prototype: &Prototype, elastic: Elastic, dim: usize, b_bar: bool) -> Self {
+    /// The `size` is that along x, y, z (m); the components lie along `axes`.
+    pub fn new(
+        shape: Shape,
+        size: [f64; 3],
+        elastic: Elastic,
+        axes: &'static [usize],
+        b_bar: bool,
+    ) -> Self {
         // Of sigma = lambda tr(eps) 1 + 2 mu eps the share of the first term that acts on the
         // strain at a point, and that acts on its projection.
         let third = 2.0 / 3.0 * elastic.mu;
         let (at_points, on_projection) =
             if b_bar { (-third, elastic.lambda + third) } else { (elastic.lambda, 0.0) };
-        let shape = prototype.shape;
-        let size: Vec<f64> = axes(dim).iter().map(|a| prototype.size[*a]).collect();
+        let dim = axes.len();
+        let size: Vec<f64> = axes.iter().map(|a| size[*a]).collect();
         let positions: Vec<[f64; 3]> = shape
             .node_points()
             .iter()
@@ -101,7 +107,7 @@ impl Stiffness {
         }
         let form = SplitForm::new(&matrix, shape);
         let (centre, _) = physical_gradients(shape, &positions, [0.0; 3], dim);
-        Self { dim, elastic, matrix, form, centre }
+        Self { axes, elastic, matrix, form, centre }
     }
 
     /// Nodal forces f = K u; both of length n dim.
@@ -114,15 +120,11 @@ impl Stiffness {
 
     /// Stress at the centre (Pa): xx, yy, zz, xy, yz, xz, in 2D too (plane strain).
     pub fn stress(&self, u: &[f64]) -> [f64; 6] {
-        let h = match self.dim {
+        let h = match self.axes.len() {
             2 => self.gradient::<2>(u),
             _ => self.gradient::<3>(u),
         };
-        let trace = self.elastic.lambda * (h[0][0] + h[1][1] + h[2][2]);
-        let mu = self.elastic.mu;
-        let shear = |i: usize, j: usize| mu * (h[i][j] + h[j][i]);
-        let normal = |i: usize| trace + 2.0 * mu * h[i][i];
-        [normal(0), normal(1), normal(2), shear(0, 1), shear(1, 2), shear(0, 2)]
+        stress_of(self.elastic, h)
     }
 
     /// Derivatives of the displacements along x, y, z by x, y, z at the centre.
@@ -136,13 +138,22 @@ impl Stiffness {
             }
         }
         let mut h = [[0.0; 3]; 3];
-        for (i, ai) in axes(DIM).iter().enumerate() {
-            for (j, aj) in axes(DIM).iter().enumerate() {
+        for (i, ai) in self.axes.iter().enumerate() {
+            for (j, aj) in self.axes.iter().enumerate() {
                 h[*ai][*aj] = sum[i][j];
             }
         }
         h
     }
+}
+
+/// Stress (Pa) under the displacement gradient `h`: xx, yy, zz, xy, yz, xz.
+pub(super) fn stress_of(elastic: Elastic, h: [[f64; 3]; 3]) -> [f64; 6] {
+    let trace = elastic.lambda * (h[0][0] + h[1][1] + h[2][2]);
+    let mu = elastic.mu;
+    let shear = |i: usize, j: usize| mu * (h[i][j] + h[j][i]);
+    let normal = |i: usize| trace + 2.0 * mu * h[i][i];
+    [normal(0), normal(1), normal(2), shear(0, 1), shear(1, 2), shear(0, 2)]
 }
 
 impl SplitForm {
@@ -178,13 +189,13 @@ fn physical_gradients(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::axes;
 
     const SIZE: [f64; 3] = [0.5, 0.25, 2.0];
 
     fn stiffness(dim: usize, order: usize, b_bar: bool) -> Stiffness {
         let size = if dim == 2 { [SIZE[0], 1.0, SIZE[2]] } else { SIZE };
-        let prototype = Prototype { size, material: 0, shape: Shape::of(dim, order) };
-        Stiffness::new(&prototype, Elastic::new(5.8e9, 0.3), dim, b_bar)
+        Stiffness::new(Shape::of(dim, order), size, Elastic::new(5.8e9, 0.3), axes(dim), b_bar)
     }
 
     const ALL: [(usize, usize, bool); 8] = [
@@ -230,8 +241,8 @@ mod tests {
     #[test]
     fn bending_of_nearly_incompressible_material_is_soft() {
         let energy = |nu: f64, b_bar: bool| {
-            let prototype = Prototype { size: [1.0; 3], material: 0, shape: Shape::Hex8 };
-            let k = Stiffness::new(&prototype, Elastic::new(1.0, nu), 3, b_bar);
+            let elastic = Elastic::new(1.0, nu);
+            let k = Stiffness::new(Shape::Hex8, [1.0; 3], elastic, axes(3), b_bar);
             let corners = Shape::Hex8.node_points();
             let u: Vec<f64> = corners.iter().flat_map(|v| [v[0] * v[2], 0.0, 0.0]).collect();
             let mut f = vec![0.0; u.len()];

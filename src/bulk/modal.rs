@@ -66,18 +66,15 @@ mod tests {
     use super::*;
     use crate::bulk::{Elastic, SplitForm, Stiffness};
     use crate::element::Shape;
-    use crate::mesh::Prototype;
+    use crate::mesh::axes;
 
     #[test]
     fn the_modal_form_gives_the_forces_of_the_matrix() {
         let shapes = [(2, Shape::Quad4), (3, Shape::Hex8)];
         for ((dim, shape), b_bar) in shapes.into_iter().flat_map(|s| [(s, false), (s, true)]) {
-            let prototype = Prototype {
-                size: [0.5, if dim == 2 { 1.0 } else { 0.3 }, 0.2],
-                material: 0,
-                shape,
-            };
-            let stiffness = Stiffness::new(&prototype, Elastic::new(5.8e9, 0.3), dim, b_bar);
+            let size = [0.5, if dim == 2 { 1.0 } else { 0.3 }, 0.2];
+            let elastic = Elastic::new(5.8e9, 0.3);
+            let stiffness = Stiffness::new(shape, size, elastic, axes(dim), b_bar);
             let corners = shape.node_points();
             let SplitForm::First(modal) = &stiffness.form else { panic!("of second order") };
             let n = corners.len();

@@ -106,15 +106,15 @@ fn split(matrix: &[f64], shape: Shape) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::bulk::{Elastic, SplitForm, Stiffness};
-    use crate::mesh::Prototype;
+    use crate::mesh::axes;
 
     #[test]
     fn the_blocks_give_the_energy_of_the_matrix() {
         for (dim, b_bar) in [(2, false), (3, false), (2, true), (3, true)] {
             let size = [0.5, if dim == 2 { 1.0 } else { 0.3 }, 0.2];
             let shape = Shape::of(dim, 2);
-            let prototype = Prototype { size, material: 0, shape };
-            let stiffness = Stiffness::new(&prototype, Elastic::new(5.8e9, 0.3), dim, b_bar);
+            let elastic = Elastic::new(5.8e9, 0.3);
+            let stiffness = Stiffness::new(shape, size, elastic, axes(dim), b_bar);
             let SplitForm::Second(form) = &stiffness.form else { panic!("of first order") };
             let n = shape.nodes();
             assert_eq!(form.blocks.iter().map(|b| b.modes.len()).sum::<usize>(), n * dim);

@@ -2,10 +2,11 @@
 //!
 //! Pressures and masses as in [`PorousMedium`].
 
+mod general;
+
 use super::PorousMedium;
 use super::poro_state::{BalanceSums, PoroState};
-use crate::element::gauss;
-use crate::mesh::{Prototype, axes};
+use crate::element::{QuadraturePoint, Shape, gauss};
 
 /// Corners of the largest cell.
 pub const MAX_CORNERS: usize = 8;
@@ -51,14 +52,15 @@ struct Point {
     gradients: [[f64; 3]; MAX_CORNERS],
 }
 
-/// What the cells of one size, material and order have in common.
+/// A cell, or what boxes of one size, material and order have in common.
 #[derive(Debug, Clone)]
 pub struct PorousCell {
     /// The material.
     pub medium: PorousMedium,
     dim: usize,
-    order: usize,
-    /// Edge lengths by component (m).
+    shape: Shape,
+    /// Lengths of the cell along its directions (m): those of the components, and of general cells
+    /// with sides that lie across from each other those of the reference coordinates.
     size: [f64; 3],
     points: Vec<Point>,
     /// Integral of b div v N: row by displacement, column by pressure (m2).
@@ -67,20 +69,24 @@ pub struct PorousCell {
     transposed: Vec<f64>,
     /// Integral of N N: row and column by pressure (m3).
     mass: Vec<f64>,
-    /// Integral of the product of the slopes of N along each component (m).
+    /// Integral of the product of the slopes of N along each direction (m).
     slopes: Vec<Vec<f64>>,
+    /// Integral of the product of the gradients of N (m), where it is not the sum of `slopes`.
+    gradients: Option<Vec<f64>>,
 }
 
 impl PorousCell {
-    /// Integrates over a box, exactly for what does not depend on the state.
-    pub fn new(prototype: &Prototype, medium: PorousMedium, dim: usize) -> Self {
-        let shape = prototype.shape;
+    /// Integrates over a box, exactly for what does not depend on the state. Its `size` is that
+    /// along x, y, z (m); displacement components lie along `axes`.
+    pub fn new(shape: Shape, size: [f64; 3], medium: PorousMedium, axes: &[usize]) -> Self {
+        let dim = axes.len();
         let corners = shape.corners();
-        let mut size = [1.0; 3];
-        axes(dim).iter().enumerate().for_each(|(c, axis)| size[c] = prototype.size[*axis]);
+        let mut along = [1.0; 3];
+        axes.iter().enumerate().for_each(|(c, axis)| along[c] = size[*axis]);
+        let size = along;
         let volume: f64 = size[..dim].iter().product();
         let slope = |g: &[f64; 3]| -> [f64; 3] { std::array::from_fn(|c| 2.0 * g[c] / size[c]) };
-        let point = |q: crate::element::QuadraturePoint| {
+        let point = |q: QuadraturePoint| {
             let mut reference = vec![[0.0; 3]; shape.nodes()];
             shape.gradients(q.xi, &mut reference);
             let divergence = reference.iter().flat_map(|g| slope(g).into_iter().take(dim));
@@ -96,34 +102,49 @@ impl PorousCell {
             }
         };
         let points: Vec<Point> = gauss(shape, shape.order() + 1).into_iter().map(point).collect();
-        let (rows, np) = (shape.nodes() * dim, corners.nodes());
+        let along: Vec<_> = points.iter().map(|q| q.gradients).collect();
+        Self::integrate(shape, size, medium, points, &along)
+    }
+
+    /// `along` gives the slopes along the directions of the cell at each point.
+    fn integrate(
+        shape: Shape,
+        size: [f64; 3],
+        medium: PorousMedium,
+        points: Vec<Point>,
+        along: &[[[f64; 3]; MAX_CORNERS]],
+    ) -> Self {
+        let dim = shape.dim();
+        let (rows, np) = (shape.nodes() * dim, shape.corners().nodes());
         let mut coupling = vec![0.0; rows * np];
         let mut mass = vec![0.0; np * np];
         let mut slopes = vec![vec![0.0; np * np]; dim];
-        for q in &points {
+        for (q, along) in points.iter().zip(along) {
             for (row, divergence) in coupling.chunks_exact_mut(np).zip(&q.divergence) {
                 let factor = medium.biot * q.volume * divergence;
                 row.iter_mut().zip(&q.values).for_each(|(k, n)| *k += factor * n);
             }
-            for a in 0..np {
-                for b in 0..np {
-                    mass[a * np + b] += q.volume * q.values[a] * q.values[b];
-                    for (c, slopes) in slopes.iter_mut().enumerate() {
-                        let product = q.gradients[a][c] * q.gradients[b][c];
-                        slopes[a * np + b] += q.volume * product;
-                    }
+            for (entry, (a, b)) in entries(np).enumerate() {
+                mass[entry] += q.volume * q.values[a] * q.values[b];
+                for (c, slopes) in slopes.iter_mut().enumerate() {
+                    slopes[entry] += q.volume * (along[a][c] * along[b][c]);
                 }
             }
         }
         let by_pressure = |a: usize| coupling.iter().skip(a).step_by(np).copied();
         let transposed = (0..np).flat_map(by_pressure).collect();
-        let order = shape.order();
-        Self { medium, dim, order, size, points, coupling, transposed, mass, slopes }
+        let gradients = None;
+        Self { medium, dim, shape, size, points, coupling, transposed, mass, slopes, gradients }
+    }
+
+    /// The shape of the cell.
+    pub fn shape(&self) -> Shape {
+        self.shape
     }
 
     /// Corners of the cell.
     pub fn corners(&self) -> usize {
-        1 << self.dim
+        self.shape.corners().nodes()
     }
 
     /// Integral of b div v N: row by displacement, column by pressure (m2).
@@ -144,10 +165,12 @@ impl PorousCell {
     /// Adds the transpose of [`PorousCell::add_force`] (m3).
     #[inline(always)] // for `simd`
     pub fn add_volume(&self, u: &[f64], volume: &mut [f64; MAX_CORNERS]) {
-        if self.dim == 2 {
-            self.add_volume_at::<4>(u, volume);
-        } else {
-            self.add_volume_at::<MAX_CORNERS>(u, volume);
+        match self.corners() {
+            3 => self.add_volume_at::<3>(u, volume),
+            4 => self.add_volume_at::<4>(u, volume),
+            5 => self.add_volume_at::<5>(u, volume),
+            6 => self.add_volume_at::<6>(u, volume),
+            _ => self.add_volume_at::<MAX_CORNERS>(u, volume),
         }
     }
 
@@ -169,7 +192,7 @@ impl PorousCell {
     /// what flows within the step counts. Cells of second order get none.
     pub fn held_back(&self, step: &FlowStep) -> [f64; 3] {
         let m = &self.medium;
-        if self.order > 1 {
+        if self.shape.order() > 1 {
             return [0.0; 3];
         }
         let stored = if step.lumped { 0.0 } else { m.storage() / 6.0 };
@@ -180,7 +203,7 @@ impl PorousCell {
 
     /// Whether short steps are [held back](Self::held_back).
     pub fn is_held_back(&self) -> bool {
-        self.order == 1
+        self.shape.order() == 1
     }
 
     /// The shortest steps (s) in which the pressure of the cell does not oscillate along its
@@ -302,7 +325,7 @@ impl PorousCell {
         let np = self.corners();
         let held = self.held_back(step);
         let flows = step.theta * step.length * self.medium.mobility;
-        let flows = held.map(|held| held + flows);
+        let along = held.map(|held| if self.gradients.is_some() { held } else { held + flows });
         let mut matrix = vec![0.0; np * np];
         for a in 0..np {
             for b in 0..np {
@@ -310,7 +333,10 @@ impl PorousCell {
                 let storage = self.medium.storage() * self.mass[entry];
                 let at = if step.lumped { a * np + a } else { entry };
                 matrix[at] += storage;
-                matrix[entry] += self.held_entry(&flows, entry);
+                matrix[entry] += self.held_entry(&along, entry);
+                if let Some(gradients) = &self.gradients {
+                    matrix[entry] += flows * gradients[entry];
+                }
             }
         }
         matrix
@@ -346,6 +372,11 @@ impl PorousCell {
         let density = -self.medium.density * ratio;
         (flux.map(|f| density * f), pressure, self.medium.porosity_at(strain, pressure))
     }
+}
+
+/// Row and column of the entries of a matrix between corners.
+fn entries(np: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..np).flat_map(move |a| (0..np).map(move |b| (a, b)))
 }
 
 #[cfg(test)]

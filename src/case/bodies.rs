@@ -1,9 +1,9 @@
 //! Bodies and the interfaces that join them.
 
-use super::{InterfaceSpec, MeshSpec};
+use super::{ColumnSpec, InterfaceSpec};
 use crate::graph::groups;
 
-/// The bodies of a case: boxes on top of each other, of which each interface joins two.
+/// The bodies of a column: boxes on top of each other, of which each interface joins two.
 pub(super) struct Bodies<'c> {
     interfaces: &'c [InterfaceSpec],
     height: f64,
@@ -11,8 +11,8 @@ pub(super) struct Bodies<'c> {
 
 impl<'c> Bodies<'c> {
     /// Of a column.
-    pub fn new(mesh: &MeshSpec, interfaces: &'c [InterfaceSpec]) -> Self {
-        Self { interfaces, height: mesh.height() }
+    pub fn new(column: &ColumnSpec, interfaces: &'c [InterfaceSpec]) -> Self {
+        Self { interfaces, height: column.height() }
     }
 
     /// Number of bodies.
@@ -23,7 +23,8 @@ impl<'c> Bodies<'c> {
     /// Lower and upper end of a body (m).
     pub fn z(&self, body: usize) -> [f64; 2] {
         let [below, above] = self.interfaces_of(body);
-        [below.map_or(0.0, |i| i.z), above.map_or(self.height, |i| i.z)]
+        let z = |interface: Option<&InterfaceSpec>| interface.and_then(InterfaceSpec::height);
+        [z(below).unwrap_or(0.0), z(above).unwrap_or(self.height)]
     }
 
     /// The interfaces below and above a body.

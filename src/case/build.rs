@@ -32,7 +32,35 @@ impl Case {
             return Err(refused(format!("its sections have {bytes} bytes; at most {LONGEST} go")));
         }
         let tree = Node::from_json(&json).map_err(Error::Input)?;
-        read_tree(tree, Path::new(NAME), Problems::new(Path::new(NAME), &[]))
+        read_tree(tree, Path::new(NAME), Problems::new(Path::new(NAME), &[]), None)
+    }
+
+    /// The case of a mesh file that has been read and has `dim` dimensions, 2 (in the plane z = 0)
+    /// or 3: its components, columns and expectations are final. A column knows its dimension
+    /// itself. Local.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with one line for each mistake: components and points that such a mesh does
+    /// not have, expectations of what there is not.
+    pub fn for_dimension(self, dim: usize) -> Result<Case> {
+        if self.knows_dimension && self.dim == dim {
+            return Ok(self);
+        }
+        if self.mesh.file().is_none() || !(2..=3).contains(&dim) {
+            return Err(Error::Bug(format!("a mesh in {dim}D for a case in {}D", self.dim)));
+        }
+        let tree = Node::from_json(&self.resolved()).map_err(Error::Input)?;
+        let name = Path::new(NAME);
+        let mut case = read_tree(tree, name, Problems::new(name, &[]), Some(dim))?;
+        // Its path is relative to the folder of the case file.
+        case.mesh = self.mesh;
+        Ok(case)
+    }
+
+    /// Whether the dimension of the mesh is known; that of a mesh file is told to
+    /// [`Case::for_dimension`].
+    pub fn knows_dimension(&self) -> bool {
+        self.knows_dimension
     }
 
     /// The sections that the case was made of, with every default written out: to build another

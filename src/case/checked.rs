@@ -3,7 +3,8 @@
 use super::sections::file::CaseFile;
 use super::{
     BoundarySpec, Control, Expectation, FlowSpec, Formulation, Imperfection, InterfaceSpec,
-    Material, MeshSpec, OutputSpec, PhysicsDecision, Probe, Reduce, SolverSpec, Value,
+    Material, MeshSpec, OutputSpec, PhysicsDecision, Probe, Reduce, SolverSpec, Surface,
+    SurfaceBit, Value,
 };
 
 /// A checked case.
@@ -11,11 +12,11 @@ use super::{
 pub struct Case {
     /// Title.
     pub title: String,
-    /// The column and its cells.
+    /// The column and its cells, or the mesh file.
     pub mesh: MeshSpec,
-    /// Materials, bottom to top.
+    /// Materials, in a column bottom to top.
     pub materials: Vec<Material>,
-    /// Interfaces, bottom to top.
+    /// Interfaces, in a column bottom to top.
     pub interfaces: Vec<InterfaceSpec>,
     /// What is prescribed on surfaces.
     pub boundary: Vec<BoundarySpec>,
@@ -49,8 +50,14 @@ pub struct Case {
     pub probes: Vec<Probe>,
     /// Values that the results must have.
     pub expect: Vec<Expectation>,
-    /// 2 or 3.
+    /// 2 or 3; that of a mesh file counts from [`Case::for_dimension`] on.
     pub dim: usize,
+    /// The coordinate axes (0, 1, 2) of the displacement components.
+    pub axes: &'static [usize],
+    /// Whether `dim` and `axes` are those of the mesh.
+    pub(super) knows_dimension: bool,
+    /// The surfaces that may be asked for, each once; see [`Case::surfaces`].
+    pub(super) surfaces: Vec<Surface>,
     /// One sentence for each thing that the file describes and the model leaves out.
     pub left_out: Vec<String>,
     /// The sections it was made of, with defaults written out.
@@ -61,6 +68,21 @@ pub struct Case {
 const NEARLY_INCOMPRESSIBLE: f64 = 0.45;
 
 impl Case {
+    /// The surfaces in the order of their bits in the marks of nodes: the sides of a column, or the
+    /// groups of a mesh file on which something is prescribed.
+    pub fn surfaces(&self) -> &[Surface] {
+        &self.surfaces
+    }
+
+    /// The place of a surface among [`Case::surfaces`]; beyond them where it is none of them.
+    pub fn surface_bit(&self, surface: &Surface) -> SurfaceBit {
+        if *surface == Surface::All {
+            return SurfaceBit::All;
+        }
+        let place = self.surfaces.iter().position(|other| other == surface);
+        SurfaceBit::Place(place.unwrap_or(self.surfaces.len()))
+    }
+
     /// Whether a pore pressure acts on the skeleton, with flow or known beforehand.
     pub fn has_pressure(&self) -> bool {
         self.flow.is_some() || self.pressure_is_load

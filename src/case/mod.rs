@@ -16,9 +16,10 @@ pub use checked::Case;
 pub use checks::{BULK, CLOSEST_PLANES, Control, ControlKind, Every, FlowSpec, Imperfection};
 pub use checks::{InterfaceQuantity, PhysicsDecision};
 pub use schema::schema;
-pub use sections::{BoundarySpec, Cells, Expectation, Fields, FilmSpec, Form, Formulation};
-pub use sections::{InterfaceSpec, Linear, Material, MeshSpec, OutputSpec, Porous, Probe, Reduce};
-pub use sections::{Side, SolverSpec, Stability, Surface};
+pub use sections::{BoundarySpec, Cells, ColumnSpec, Expectation, Fields, FileSpec, FilmSpec};
+pub use sections::{Form, Formulation, InterfaceSpec, Linear, Location, Material, MeshSource};
+pub use sections::{MeshSpec, OutputSpec, Porous, Probe, Reduce, column_axes};
+pub use sections::{Side, SolverSpec, Stability, Surface, SurfaceBit};
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -60,7 +61,7 @@ impl Case {
                 problems.at(Origin::Override(number), reason);
             }
         }
-        read_tree(tree, path, problems)
+        read_tree(tree, path, problems, None)
     }
 
     /// The times between start and end, rising, at which a table bends: no step passes over one.
@@ -68,7 +69,9 @@ impl Case {
         let of_interfaces = self.interfaces.iter().filter_map(|i| i.fluid_pressure.as_ref());
         let of_boundary =
             self.boundary.iter().flat_map(|b| b.displacement.iter().chain(&b.traction));
-        let mut values: Vec<&Value> = of_boundary.flatten().collect();
+        let along_normals =
+            self.boundary.iter().flat_map(|b| [&b.normal_displacement, &b.normal_traction]);
+        let mut values: Vec<&Value> = of_boundary.chain(along_normals).flatten().collect();
         if self.has_pressure() {
             values.extend(self.boundary.iter().flat_map(|b| b.pressure.iter().chain(&b.flux)));
             let films = self.interfaces.iter().filter_map(|i| i.film.as_ref());
@@ -105,8 +108,14 @@ impl Case {
     }
 }
 
-/// The case of a tree in which `problems` have been found so far.
-fn read_tree(mut tree: Node, path: &Path, mut problems: Problems) -> Result<Case> {
+/// The case of a tree in which `problems` have been found so far; of a mesh file that has been read
+/// with its dimension.
+fn read_tree(
+    mut tree: Node,
+    path: &Path,
+    mut problems: Problems,
+    dim_of_file: Option<usize>,
+) -> Result<Case> {
     let broken = schema::check(&mut tree, &mut problems);
     let file = match serde_json::from_value(readable(&tree, &broken)) {
         Ok(file) => file,
@@ -115,8 +124,7 @@ fn read_tree(mut tree: Node, path: &Path, mut problems: Problems) -> Result<Case
         }
         Err(_) => return Err(problems.into_error()),
     };
-    let checker = Checker { tree: &tree, problems, broken, dim: 2, left_out: Vec::new() };
-    checker.case(file, path)
+    Checker::new(&tree, problems, broken, dim_of_file).case(file, path)
 }
 
 /// Refuses more overrides than anyone types.

@@ -6,12 +6,14 @@ mod map;
 mod panel;
 mod scale;
 mod strokes;
+mod units;
 
-pub(crate) use canvas::{png, svg};
+pub(crate) use canvas::{Anchor, Canvas, Drawn, Figure, png, svg, width};
 pub(crate) use map::{Entry, Map};
 pub(crate) use panel::{Line, Panel, Panels};
 pub(crate) use scale::Scale;
 pub(crate) use strokes::Look;
+pub(crate) use units::{Unit, number};
 
 #[cfg(test)]
 mod tests;

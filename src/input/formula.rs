@@ -129,6 +129,12 @@ impl Formula {
         }
     }
 
+    /// The formula with the opposite sign.
+    pub(crate) fn negated(&self) -> Formula {
+        let text = format!("-({})", self.text);
+        Formula { text, root: Expression::Negate(Box::new(self.root.clone())) }
+    }
+
     /// The value at a point and a time; not finite where the formula has none there.
     pub fn at(&self, point: [f64; 3], time: f64) -> f64 {
         self.root.evaluate(&[point[0], point[1], point[2], time])

@@ -33,6 +33,15 @@ impl Value {
         }
     }
 
+    /// The same with the opposite sign.
+    pub fn negated(&self) -> Value {
+        match self {
+            Value::Constant(value) => Value::Constant(-value),
+            Value::Table(rows) => Value::Table(rows.iter().map(|[t, v]| [*t, -v]).collect()),
+            Value::Formula(formula) => Value::Formula(formula.negated()),
+        }
+    }
+
     /// Whether it depends on the point.
     pub fn varies_in_space(&self) -> bool {
         matches!(self, Value::Formula(formula) if formula.varies_in_space())
@@ -74,6 +83,17 @@ mod tests {
         assert_eq!(at(1.5), 0.0);
         assert!((at(3.0) - 2.50005).abs() < 1e-12);
         assert_eq!(table.breakpoints(), [1.0, 2.0, 4.0]);
+    }
+
+    #[test]
+    fn a_negated_value_has_the_opposite_sign() {
+        let formula = Value::Formula(Formula::parse("1e-3*x - t").expect("a formula"));
+        for value in [Value::Constant(2.5), Value::Table(vec![[0.0, 1.0], [1.0, -3.0]]), formula] {
+            for (point, time) in [([0.5; 3], 0.25), ([2.0; 3], 7.0)] {
+                assert_eq!(value.negated().at(point, time), -value.at(point, time));
+            }
+            assert_eq!(value.negated().breakpoints(), value.breakpoints());
+        }
     }
 
     #[test]

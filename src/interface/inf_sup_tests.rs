@@ -8,10 +8,11 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use std::path::Path;
 
 use super::Sides;
-use super::jump::{integrate, sum};
+use super::facet_terms::integrate;
+use super::jump::sum;
 use crate::bulk::{Elastic, Stiffness};
 use crate::case::Case;
-use crate::mesh::{LocalMesh, MeshFamily};
+use crate::mesh::{LocalMesh, MeshFamily, Prototype, axes};
 use crate::space::Prescribed;
 
 /// Cells per edge of the base of each body and their order.
@@ -58,8 +59,11 @@ fn stiffness(case: &Case, mesh: &LocalMesh, prescribed: &Prescribed) -> (DMatrix
         }
     }
     let elastic = Elastic::new(1.0, 0.3);
-    let cells: Vec<Stiffness> =
-        mesh.prototypes.iter().map(|p| Stiffness::new(p, elastic, dim, false)).collect();
+    let stiffness = |p: &Prototype| {
+        let size = p.geometry.size().expect("a box");
+        Stiffness::new(p.shape, size, elastic, axes(dim), false)
+    };
+    let cells: Vec<Stiffness> = mesh.prototypes.iter().map(stiffness).collect();
     let mut k = DMatrix::zeros(numbers.count, numbers.count);
     for (cell, prototype) in mesh.cell_prototype.iter().enumerate() {
         let unknowns: Vec<Option<usize>> = mesh
@@ -124,7 +128,7 @@ fn eigenvalues(
     multipliers: Multipliers,
 ) -> DVector<f64> {
     let case = case(dim, bodies, secondary, supports);
-    let mesh = MeshFamily::new(&case).expect("a mesh").whole();
+    let mesh = MeshFamily::new(&case).expect("a mesh").whole().expect("a mesh");
     let prescribed = Prescribed::new(&case);
     let side = Sides::choose(&case, &mesh.facts)[0];
     let (k, numbers) = stiffness(&case, &mesh, &prescribed);
@@ -156,15 +160,16 @@ fn eigenvalues(
 fn dual_rows(mesh: &LocalMesh, side: Sides, prescribed: &Prescribed) -> Vec<Row> {
     let number = |name: u64| mesh.nodes.number(name).expect("a node of the mesh");
     let fixed = |name: u64| prescribed.components_of(&mesh.nodes.marks[number(name)]);
-    let terms = integrate(mesh, &[side], mesh.dim(), &fixed).expect("sides that cover");
+    let terms = integrate(mesh, &[side], mesh.dim(), &fixed).expect("sides that cover").list;
     let own = mesh.nodes.iter().filter(|(_, _, marks)| side.is_secondary(marks));
     let nodes: Vec<(u64, usize)> = own.map(|(name, ..)| (name, 0)).collect();
     let mut rows: Vec<Row> = Vec::new();
-    for jump in sum(terms, &[side], &nodes, &mesh.nodes.names) {
+    for jump in sum(terms, mesh.dim(), &nodes, &mesh.nodes.names) {
         for (c, row) in jump.rows.iter().enumerate() {
             let Some(row) = row else { continue };
-            let weighted =
-                row.coefficients(jump.node).map(|(name, a)| (number(name), a * row.weight));
+            let dim = mesh.dim() as u64;
+            let weighted = row.coefficients(jump.node * dim + c as u64);
+            let weighted = weighted.map(|(name, a)| (number(name / dim), a * row.weight));
             rows.push((weighted.collect(), c, row.weight));
         }
     }

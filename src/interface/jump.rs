@@ -2,14 +2,14 @@
 //!
 //! At node i and component c the jump is g = sum over k of a_k u_k: own coefficient, coefficients
 //! of the primary side, and of secondary nodes whose component c is prescribed and which therefore
-//! carry no multiplier. The rows come from the dual mortar basis (Popp, Wohlmuth, Gee, Wall, SIAM
-//! J. Sci. Comput. 34, 2012), component by component; the owner of a secondary node owns its rows,
-//! and every rank that holds the node has a copy.
+//! carry no multiplier. An unknown is named by its node and component: the name of the node times
+//! the number of components, plus the component. The rows come from the dual mortar basis (Popp,
+//! Wohlmuth, Gee, Wall, SIAM J. Sci. Comput. 34, 2012), component by component; the owner of a
+//! secondary node owns its rows, and every rank that holds the node has a copy.
 
-use super::mortar::{PlaneFacet, facet_rows};
+use super::facet_terms::{Term, Uncovered, WEIGHT, integrate};
 use super::sides::Sides;
 use crate::comm::Comm;
-use crate::element::Shape;
 use crate::error::Result;
 use crate::mesh::LocalMesh;
 use crate::space::Directory;
@@ -19,31 +19,31 @@ use crate::space::Directory;
 pub struct JumpRow<N> {
     /// Integral of the multiplier basis function (m2; 2D: m): the weight of the node.
     pub weight: f64,
-    /// Coefficient of the node itself.
+    /// Coefficient of the unknown that the row belongs to.
     pub own: f64,
-    /// Coefficients of other nodes.
+    /// Coefficients of other unknowns.
     pub others: Vec<(N, f64)>,
 }
 
-/// A row at work: `node` is the one that it belongs to.
+/// A row at work: `own` is the unknown that it belongs to.
 impl<N: Copy> JumpRow<N> {
-    /// The jump of a field, whose component at a local node is `at`.
+    /// The jump of a field, whose value at an unknown is `at`.
     #[inline]
-    pub fn trace(&self, node: N, at: impl Fn(N) -> f64) -> f64 {
-        self.own * at(node) + self.trace_of_others(at)
+    pub fn trace(&self, own: N, at: impl Fn(N) -> f64) -> f64 {
+        self.own * at(own) + self.trace_of_others(at)
     }
 
-    /// The part of [`JumpRow::trace`] that comes from the other nodes.
+    /// The part of [`JumpRow::trace`] that comes from the other unknowns.
     #[inline]
     pub fn trace_of_others(&self, at: impl Fn(N) -> f64) -> f64 {
         self.others.iter().map(|(other, a)| a * at(*other)).sum()
     }
 
-    /// The transpose of [`JumpRow::trace`]: the forces of one on the jump, given to `add` node by
-    /// node.
+    /// The transpose of [`JumpRow::trace`]: the forces of one on the jump, given to `add` unknown
+    /// by unknown.
     #[inline]
-    pub fn spread(&self, node: N, force: f64, mut add: impl FnMut(N, f64)) {
-        add(node, self.own * force);
+    pub fn spread(&self, own: N, force: f64, mut add: impl FnMut(N, f64)) {
+        add(own, self.own * force);
         self.spread_to_others(force, add);
     }
 
@@ -55,10 +55,10 @@ impl<N: Copy> JumpRow<N> {
         }
     }
 
-    /// All nodes with their coefficients, the own one last.
+    /// All unknowns with their coefficients, the own one last.
     #[inline]
-    pub fn coefficients(&self, node: N) -> impl Iterator<Item = (N, f64)> {
-        self.others.iter().copied().chain([(node, self.own)])
+    pub fn coefficients(&self, own: N) -> impl Iterator<Item = (N, f64)> {
+        self.others.iter().copied().chain([(own, self.own)])
     }
 }
 
@@ -69,6 +69,8 @@ pub struct JumpRows<N> {
     pub node: N,
     /// The interface it belongs to.
     pub interface: usize,
+    /// Components of the field at every node.
+    pub components: usize,
     /// One row per component that has a multiplier.
     pub rows: [Option<JumpRow<N>>; 3],
 }
@@ -91,53 +93,60 @@ impl<N> JumpRows<N> {
 }
 
 impl JumpRows<u32> {
+    /// The unknown of a component of the node.
+    #[inline]
+    pub fn own(&self, component: usize) -> u32 {
+        self.node * self.components as u32 + component as u32
+    }
+
     /// The nodes of all rows: the secondary node, then each of the others once.
     pub fn nodes(&self) -> Vec<u32> {
         let mut nodes = vec![self.node];
-        for (node, _) in self.rows.iter().flatten().flat_map(|r| &r.others) {
-            if !nodes.contains(node) {
-                nodes.push(*node);
+        for (unknown, _) in self.rows.iter().flatten().flat_map(|r| &r.others) {
+            let node = unknown / self.components as u32;
+            if !nodes.contains(&node) {
+                nodes.push(node);
             }
         }
         nodes
     }
 
-    /// Coefficient of a node in the jump of a component, 0 where it has none.
-    pub fn coefficient(&self, component: usize, node: u32) -> f64 {
+    /// Coefficient of an unknown in the jump of a component, 0 where it has none.
+    pub fn coefficient(&self, component: usize, unknown: u32) -> f64 {
         let Some(row) = &self.rows[component] else { return 0.0 };
-        if node == self.node {
+        if unknown == self.own(component) {
             return row.own;
         }
-        row.others.iter().find(|(n, _)| *n == node).map_or(0.0, |(_, a)| *a)
+        row.others.iter().find(|(n, _)| *n == unknown).map_or(0.0, |(_, a)| *a)
     }
 }
 
 impl JumpRows<u64> {
-    /// The same rows with every name replaced.
+    /// The names of the nodes of all unknowns but the own ones.
+    pub fn names_of_others(&self) -> impl Iterator<Item = u64> {
+        let others = self.rows.iter().flatten().flat_map(|row| &row.others);
+        others.map(|(unknown, _)| unknown / self.components as u64)
+    }
+
+    /// The same rows with the name of every node replaced.
     pub fn renamed(self, new: impl Fn(u64) -> u32) -> JumpRows<u32> {
+        let components = self.components;
+        let unknown = |name: u64| {
+            let (node, component) = (name / components as u64, name % components as u64);
+            new(node) * components as u32 + component as u32
+        };
         let rename = |row: JumpRow<u64>| JumpRow {
             weight: row.weight,
             own: row.own,
-            others: row.others.into_iter().map(|(n, a)| (new(n), a)).collect(),
+            others: row.others.into_iter().map(|(n, a)| (unknown(n), a)).collect(),
         };
         JumpRows {
             node: new(self.node),
             interface: self.interface,
+            components,
             rows: self.rows.map(|row| row.map(rename)),
         }
     }
-}
-
-/// Marks the weight among the coefficients of a row.
-const WEIGHT: u64 = u64::MAX;
-
-/// One summand of a row on its way to the owner of the node.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Term {
-    node: u64,
-    component: u64,
-    other: u64,
-    value: f64,
 }
 
 /// The rows of all secondary nodes that this rank's cells touch, by rising name, of a field with so
@@ -146,7 +155,7 @@ pub(super) struct Term {
 /// Collective: each rank integrates the facets of its own cells.
 ///
 /// # Errors
-/// `Input` when the primary side does not cover the secondary side.
+/// `Input` when the primary side of a lattice does not cover the secondary side.
 pub fn jump_rows(
     comm: &Comm,
     mesh: &LocalMesh,
@@ -155,75 +164,31 @@ pub fn jump_rows(
     fixed: &dyn Fn(u64) -> [bool; 3],
     directory: &Directory<'_>,
 ) -> Result<Vec<JumpRows<u64>>> {
-    let terms = comm.agree(integrate(mesh, sides, components, fixed))?;
+    let mut terms = comm.agree(integrate(mesh, sides, components, fixed))?;
+    let mut uncovered = Uncovered::default();
+    while uncovered.grow(comm, directory, mesh.facts.order, &terms.shares) {
+        let without = |name: u64| if uncovered.contains(name) { [true; 3] } else { fixed(name) };
+        terms = comm.agree(integrate(mesh, sides, components, &without))?;
+    }
+    if mesh.is_of_file() && components == mesh.dim() {
+        for (fit, side) in terms.fits.iter().zip(sides) {
+            let name = mesh.facts.names.get(side.interface);
+            fit.tell(comm, name.map_or("", String::as_str))?;
+        }
+    }
+    let terms = terms.list;
     let nodes: Vec<(u64, usize)> = mesh
         .nodes
         .iter()
         .filter_map(|(n, _, marks)| Some((n, sides.iter().position(|s| s.is_secondary(marks))?)))
         .collect();
     let received = send_to_owners(comm, directory, &terms);
-    let mut rows = sum(received, sides, &nodes, &directory.owned);
+    let mut rows = sum(received, components, &nodes, &directory.owned);
     let missing: Vec<u64> =
         nodes.iter().map(|n| n.0).filter(|n| directory.owned.binary_search(n).is_err()).collect();
     rows.extend(fetch(comm, directory, &rows, &missing));
     rows.sort_by_key(|r| r.node);
     Ok(rows)
-}
-
-/// The terms that the secondary facets of this rank's cells contribute.
-pub(super) fn integrate(
-    mesh: &LocalMesh,
-    sides: &[Sides],
-    components: usize,
-    fixed: &dyn Fn(u64) -> [bool; 3],
-) -> Result<Vec<Term>> {
-    let mut terms = Vec::new();
-    for side in sides {
-        for facet in mesh.on_lip(side.interface, side.secondary) {
-            let (shape, nodes) = mesh.lip_nodes(side.secondary, *facet);
-            let names: Vec<u64> =
-                nodes.iter().map(|node| mesh.nodes.names[*node as usize]).collect();
-            let points = nodes.iter().map(|node| mesh.nodes.points[*node as usize]);
-            let secondary = plane_facet(shape, &names, points);
-            let primary: Vec<PlaneFacet> = mesh
-                .across(side.interface, side.secondary, *facet)
-                .iter()
-                .map(|far| plane_facet(far.shape, &far.nodes, far.points.iter().copied()))
-                .collect();
-            let primary: Vec<&PlaneFacet> = primary.iter().collect();
-            for row in facet_rows(&secondary, &primary, &dropped(&secondary, components, fixed))? {
-                for component in (0..components).filter(|c| row.components[*c]) {
-                    let term = |other, value| Term {
-                        node: row.node,
-                        component: component as u64,
-                        other,
-                        value,
-                    };
-                    terms.push(term(WEIGHT, row.weight));
-                    terms.extend(row.secondary.iter().map(|(n, v)| term(*n, side.sign() * v)));
-                    terms.extend(row.primary.iter().map(|(n, v)| term(*n, -side.sign() * v)));
-                }
-            }
-        }
-    }
-    Ok(terms)
-}
-
-/// A facet in the plane of its interface.
-fn plane_facet(shape: Shape, names: &[u64], points: impl Iterator<Item = [f64; 3]>) -> PlaneFacet {
-    let corners = points.take(shape.corners().nodes()).map(|[x, y, _]| [x, y]);
-    PlaneFacet::new(shape, names, &corners.collect::<Vec<_>>())
-}
-
-/// Per component, the nodes of a facet that carry no multiplier, one bit each.
-fn dropped(facet: &PlaneFacet, components: usize, fixed: &dyn Fn(u64) -> [bool; 3]) -> Vec<u16> {
-    let mut masks = vec![0u16; components];
-    for (bit, node) in facet.nodes().iter().enumerate() {
-        for (mask, fixed) in masks.iter_mut().zip(fixed(*node)) {
-            *mask |= u16::from(fixed) << bit;
-        }
-    }
-    masks
 }
 
 /// The terms of the nodes this rank owns, from all ranks. Collective.
@@ -248,7 +213,7 @@ fn send_to_owners(comm: &Comm, directory: &Directory<'_>, terms: &[Term]) -> Vec
 /// Sums the terms to rows; nodes without any keep empty rows.
 pub(super) fn sum(
     mut terms: Vec<Term>,
-    sides: &[Sides],
+    components: usize,
     nodes: &[(u64, usize)],
     owned: &[u64],
 ) -> Vec<JumpRows<u64>> {
@@ -264,6 +229,7 @@ pub(super) fn sum(
         .map(|(node, interface)| JumpRows {
             node: *node,
             interface: *interface,
+            components,
             rows: [None, None, None],
         })
         .collect();
@@ -272,16 +238,16 @@ pub(super) fn sum(
         let total =
             |other: u64| -> f64 { same.iter().filter(|t| t.other == other).map(|t| t.value).sum() };
         let weight = total(WEIGHT);
+        let own = node * components as u64 + same[0].component;
         let others = same
             .chunk_by(|a, b| a.other == b.other)
-            .filter(|group| group[0].other != WEIGHT && group[0].other != node)
+            .filter(|group| group[0].other != WEIGHT && group[0].other != own)
             .map(|group| (group[0].other, group.iter().map(|t| t.value).sum::<f64>() / weight))
             .filter(|(_, coefficient)| coefficient.abs() > 1e-15)
             .collect();
         let at = rows.binary_search_by_key(&node, |r| r.node).expect("terms go to the owner");
-        debug_assert!(rows[at].interface < sides.len());
         rows[at].rows[same[0].component as usize] =
-            Some(JumpRow { weight, own: total(node) / weight, others });
+            Some(JumpRow { weight, own: total(own) / weight, others });
     }
     rows
 }
@@ -309,7 +275,7 @@ fn fetch(
 }
 
 fn pack(rows: &JumpRows<u64>) -> Vec<u64> {
-    let mut words = vec![rows.node, rows.interface as u64];
+    let mut words = vec![rows.node, rows.interface as u64, rows.components as u64];
     for row in &rows.rows {
         let Some(row) = row else {
             words.push(0);
@@ -326,7 +292,7 @@ fn unpack(words: &[u64]) -> Vec<JumpRows<u64>> {
     let mut list = Vec::new();
     while let Some(node) = words.next() {
         let mut next = || words.next().expect("packed by `pack`");
-        let interface = next() as usize;
+        let (interface, components) = (next() as usize, next() as usize);
         let rows = std::array::from_fn(|_| {
             (next() == 1).then(|| {
                 let (weight, own) = (f64::from_bits(next()), f64::from_bits(next()));
@@ -335,7 +301,7 @@ fn unpack(words: &[u64]) -> Vec<JumpRows<u64>> {
                 JumpRow { weight, own, others }
             })
         });
-        list.push(JumpRows { node, interface, rows });
+        list.push(JumpRows { node, interface, components, rows });
     }
     list
 }
@@ -355,15 +321,20 @@ mod tests {
         assert_eq!(force, [-6.0, 0.0, -2.0, 8.0]);
         let work: f64 = force.iter().zip(&u).map(|(f, u)| f * u).sum();
         assert_eq!(work, 4.0 * jump);
-        let nodes: Vec<u32> = row.coefficients(own).map(|(node, _)| node).collect();
-        assert_eq!(nodes, [2, 0, 3]);
+        let unknowns: Vec<u32> = row.coefficients(own).map(|(unknown, _)| unknown).collect();
+        assert_eq!(unknowns, [2, 0, 3]);
     }
 
     #[test]
     fn rows_survive_the_journey() {
         let row = JumpRow { weight: 0.25, own: -1.0, others: vec![(7, 0.5), (9, 1e-300)] };
-        let one = JumpRows { node: 3, interface: 1, rows: [Some(row.clone()), None, Some(row)] };
-        let two = JumpRows { node: 4, interface: 0, rows: [None, None, None] };
+        let one = JumpRows {
+            node: 3,
+            interface: 1,
+            components: 3,
+            rows: [Some(row.clone()), None, Some(row)],
+        };
+        let two = JumpRows { node: 4, interface: 0, components: 3, rows: [None, None, None] };
         let words = [pack(&one), pack(&two)].concat();
         assert_eq!(unpack(&words), [one, two]);
     }

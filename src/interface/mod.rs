@@ -2,6 +2,7 @@
 //! of fluid between the lips.
 
 mod cohesive_zone;
+mod facet_terms;
 mod film;
 #[cfg(test)]
 mod inf_sup_tests;

@@ -50,9 +50,9 @@ impl Sides {
         }
     }
 
-    /// Whether a node lies on the secondary side.
+    /// Whether a node lies on the secondary side and may carry a multiplier.
     pub fn is_secondary(&self, node: &Marks) -> bool {
-        node.is_lip(self.interface, self.secondary)
+        node.is_lip(self.interface, self.secondary) && !node.is_junction
     }
 
     /// The secondary lip in numbers.

@@ -50,6 +50,21 @@ pub enum Branch {
 }
 
 impl Branch {
+    /// Every regime.
+    pub const ALL: [Branch; 11] = [
+        Branch::Stick,
+        Branch::StickClosed,
+        Branch::Unloading,
+        Branch::UnloadingClosed,
+        Branch::Softening,
+        Branch::SofteningClosed,
+        Branch::Broken,
+        Branch::BrokenClosed,
+        Branch::Open,
+        Branch::Closed,
+        Branch::Tied,
+    ];
+
     /// The regime in words.
     pub fn words(self) -> &'static str {
         match self {

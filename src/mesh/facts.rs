@@ -1,11 +1,18 @@
 //! What is known of a whole mesh, the same on every rank.
 
+use serde::{Deserialize, Serialize};
+
 /// The whole mesh in numbers.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct MeshFacts {
-    /// 2 (x, z; plane strain) or 3.
+    /// 2 (plane strain) or 3.
     pub dim: usize,
-    /// Extent along x, y, z (m); y is 0 in 2D.
+    /// The coordinate axes of the displacement components.
+    #[serde(with = "axes")]
+    pub axes: &'static [usize],
+    /// The least coordinates (m).
+    pub origin: [f64; 3],
+    /// Extent along x, y, z (m); that across a plane is 0.
     pub size: [f64; 3],
     /// Number of bodies.
     pub bodies: usize,
@@ -23,12 +30,25 @@ pub struct MeshFacts {
     pub section: f64,
     /// The lips of each interface, the lower one first.
     pub interfaces: Vec<[LipFacts; 2]>,
+    /// The names of the interfaces of the mesh of a file, for messages.
+    pub names: Vec<String>,
+    /// The pairs of bodies that interfaces join, each once.
+    pub joints: Vec<Joint>,
+}
+
+/// Two bodies that an interface joins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Joint {
+    /// The interface, by its index.
+    pub interface: usize,
+    /// The body of the lower lip and that of the upper one, which may be the same.
+    pub bodies: [usize; 2],
 }
 
 /// One lip of an interface in numbers.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LipFacts {
-    /// The body whose face it is.
+    /// The body whose face it is, or one of them.
     pub body: usize,
     /// Edge lengths of a cell behind it along x, y, z (m; y is 1 in 2D).
     pub cell: [f64; 3],
@@ -36,6 +56,9 @@ pub struct LipFacts {
     pub material: usize,
     /// Order of the cells.
     pub order: usize,
+    /// Whether it has triangles of second order, so that the ends of edges have a share in the
+    /// displacement of their middles.
+    pub has_shares: bool,
 }
 
 /// The dual graph of a mesh in compressed form: cells that share a facet or face each other.
@@ -49,4 +72,22 @@ pub struct DualGraph {
     pub weights: Vec<i32>,
     /// Work of each cell.
     pub work: Vec<i32>,
+}
+
+/// The axes on their journey between ranks.
+mod axes {
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    const ALL: [&[usize]; 4] = [&[], &[0, 1], &[0, 2], &[0, 1, 2]];
+
+    pub fn serialize<S: Serializer>(axes: &&'static [usize], to: S) -> Result<S::Ok, S::Error> {
+        axes.serialize(to)
+    }
+
+    pub fn deserialize<'d, D: Deserializer<'d>>(from: D) -> Result<&'static [usize], D::Error> {
+        let sent = Vec::<usize>::deserialize(from)?;
+        let known = ALL.into_iter().find(|axes| *axes == sent.as_slice());
+        known.ok_or_else(|| D::Error::custom("axes that no mesh has"))
+    }
 }

@@ -1,78 +1,197 @@
-//! The nested meshes of a case before any rank has its part of them.
+//! The meshes of a case before any rank has its part of them.
 
+use std::path::Path;
+
+use super::import::{gmsh, med};
 use super::lattice::Column;
-use super::{DualGraph, LocalMesh, MeshFacts};
-use crate::case::Case;
-use crate::error::Result;
+use super::whole::{InterfacePlace, InterfaceRequest, MaterialGroups, Request, WholeMesh};
+use super::{DualGraph, LocalMesh, MeshFacts, whole};
+use crate::case::{Case, FileSpec, InterfaceSpec, Location, Material};
+use crate::error::{Error, Result};
 
-/// Nested meshes, coarsest first, the same on every rank; the last one is that of the case. The
-/// cells of the first one are shared out, and every rank refines its own.
+/// The meshes of a case.
 #[derive(Debug, Clone)]
 pub struct MeshFamily {
-    columns: Vec<Column>,
+    source: Source,
+    /// What is to be said of them, in words.
+    pub remarks: Vec<String>,
+}
+
+#[derive(Debug, Clone)]
+enum Source {
+    /// Nested lattices, coarsest first, the same on every rank; the last one is that of the case.
+    /// The cells of the first one are shared out, and every rank refines its own.
+    Lattices(Vec<Column>),
+    /// The mesh of a file: what is known of it, and on the rank that read it the mesh itself.
+    Whole(Box<MeshFacts>, Option<Box<WholeMesh>>),
 }
 
 impl MeshFamily {
-    /// The mesh that the case describes, and that before its refinement.
+    /// The mesh that the case describes, or that its file holds: a column also before its
+    /// refinement. Local; every rank has columns, one of them reads a file.
     ///
     /// # Errors
-    /// `Input` when a material's height range leaves a layer without a material.
+    /// `Input` when a material's height range leaves a layer without a material; when a file cannot
+    /// be read, or does not hold what the case asks for.
     pub fn new(case: &Case) -> Result<Self> {
+        if let Some(file) = case.mesh.file() {
+            let mut mesh = read(case, file)?;
+            let remarks = std::mem::take(&mut mesh.remarks);
+            let names = case.interfaces.iter().map(|interface| interface.name.clone()).collect();
+            let facts = MeshFacts { names, ..mesh.facts() };
+            let source = Source::Whole(Box::new(facts), Some(Box::new(mesh)));
+            return Ok(Self { source, remarks });
+        }
         let column = Column::new(case)?;
-        Ok(Self { columns: vec![column.described(), column] })
+        let source = Source::Lattices(vec![column.described(), column]);
+        Ok(Self { source, remarks: Vec::new() })
+    }
+
+    /// The mesh of a file that another rank has read.
+    pub fn known_by_its_facts(facts: MeshFacts) -> Self {
+        Self { source: Source::Whole(Box::new(facts), None), remarks: Vec::new() }
     }
 
     /// What is known of the mesh of the case.
     pub fn facts(&self) -> MeshFacts {
-        self.finest().facts()
+        match &self.source {
+            Source::Lattices(columns) => columns[columns.len() - 1].facts(),
+            Source::Whole(facts, _) => (**facts).clone(),
+        }
     }
 
     /// The lattice of the mesh of the case, where it is one.
     pub fn lattice(&self) -> Option<&Column> {
-        self.columns.last()
+        match &self.source {
+            Source::Lattices(columns) => columns.last(),
+            Source::Whole(..) => None,
+        }
     }
 
-    fn finest(&self) -> &Column {
-        &self.columns[self.columns.len() - 1]
+    /// Whether it is the mesh of a file.
+    pub fn is_of_file(&self) -> bool {
+        matches!(self.source, Source::Whole(..))
     }
 
     /// Takes levels for multigrid in the place of the meshes below the finest, the coarsest of at
     /// least `fewest` cells. False where there are none.
     pub fn coarsen(&mut self, fewest: u64) -> bool {
-        let levels = self.finest().hierarchy(fewest);
+        let Source::Lattices(columns) = &mut self.source else { return false };
+        let levels = columns[columns.len() - 1].hierarchy(fewest);
         let has_levels = levels.len() > 1;
         if has_levels {
-            self.columns = levels;
+            *columns = levels;
         }
         has_levels
     }
 
-    /// Number of cells of the coarsest mesh.
+    /// Number of cells of the mesh that is shared out.
     pub fn coarse_cells(&self) -> u64 {
-        self.columns[0].cells()
+        match &self.source {
+            Source::Lattices(columns) => columns[0].cells(),
+            Source::Whole(facts, _) => facts.cells,
+        }
     }
 
-    /// The dual graph of the coarsest mesh.
+    /// The dual graph of the mesh that is shared out; that of a file on the rank that read it.
     ///
     /// # Errors
     /// `Input` when it has too many cells.
     pub fn dual_graph(&self) -> Result<DualGraph> {
-        self.columns[0].dual_graph()
+        match &self.source {
+            Source::Lattices(columns) => columns[0].dual_graph(),
+            Source::Whole(..) => Ok(whole::dual_graph(self.mesh_of_file()?)),
+        }
     }
 
-    /// The parts of a rank that gets these cells of the coarsest mesh, rising; coarsest first.
-    /// `held` is the size of the largest mesh that any rank held before. Local.
-    pub fn share(&self, cells: Vec<u64>, held: u64) -> Vec<LocalMesh> {
-        let mut meshes = vec![LocalMesh::new(&self.columns[0], cells, held)];
-        for column in &self.columns[1..] {
-            meshes.push(meshes[meshes.len() - 1].refined(column));
+    /// The parts of a rank that gets these cells of the coarsest lattice, rising; coarsest first.
+    /// `held` is the size of the largest mesh that any rank held before. None for the mesh of a
+    /// file. Local.
+    pub fn share(&self, cells: Vec<u64>, held: u64) -> Option<Vec<LocalMesh>> {
+        let Source::Lattices(columns) = &self.source else { return None };
+        let mut meshes = vec![LocalMesh::new(&columns[0], cells, held)];
+        for column in &columns[1..] {
+            meshes.push(meshes[meshes.len() - 1].refined(&columns[meshes.len() - 1], column));
         }
-        meshes
+        Some(meshes)
+    }
+
+    /// The parts of all ranks of the mesh of a file, on the rank that read it, of which each gets
+    /// the cells that `rank_of` gives it. Local.
+    ///
+    /// # Errors
+    /// `Bug` on another rank, or for a column.
+    pub fn parts(&self, rank_of: &[i32], ranks: usize) -> Result<Vec<LocalMesh>> {
+        Ok(self.mesh_of_file()?.parts(rank_of, ranks))
     }
 
     /// The whole mesh of the case on one rank. Local.
-    pub fn whole(&self) -> LocalMesh {
-        let column = self.finest();
-        LocalMesh::new(column, (0..column.cells()).collect(), column.cells())
+    ///
+    /// # Errors
+    /// `Bug` for the mesh of a file on another rank than the one that read it.
+    pub fn whole(&self) -> Result<LocalMesh> {
+        if let Source::Lattices(columns) = &self.source {
+            let column = &columns[columns.len() - 1];
+            return Ok(LocalMesh::new(column, (0..column.cells()).collect(), column.cells()));
+        }
+        let mesh = self.mesh_of_file()?;
+        let mut parts = mesh.parts(&vec![0; mesh.cells()], 1);
+        parts.pop().ok_or_else(|| Error::Bug("no part of the mesh".into()))
     }
+
+    fn mesh_of_file(&self) -> Result<&WholeMesh> {
+        match &self.source {
+            Source::Whole(_, Some(mesh)) => Ok(mesh),
+            _ => Err(Error::Bug("the mesh of a file is on another rank".into())),
+        }
+    }
+}
+
+/// Reads the mesh of a file and makes of it what the case asks for.
+fn read(case: &Case, file: &FileSpec) -> Result<WholeMesh> {
+    let path = file.path.display().to_string();
+    let content = if is_med(&file.path) {
+        med::read(&file.path)?
+    } else {
+        let bytes = std::fs::read(&file.path).map_err(|error| {
+            Error::Input(format!(
+                "mesh.file: {path} cannot be read: {error}; the path counts from the folder of the \
+                 case file"
+            ))
+        })?;
+        gmsh::read(&bytes).map_err(|error| match error {
+            Error::Input(text) => Error::Input(format!("{path}: {text}")),
+            other => other,
+        })?
+    };
+    let interface = |spec: &InterfaceSpec| {
+        let place = match &spec.location {
+            Location::Group { name, flip } => {
+                InterfacePlace::On { group: name.clone(), flip: *flip }
+            }
+            Location::Between([lower, upper]) => {
+                InterfacePlace::Between { lower: lower.clone(), upper: upper.clone() }
+            }
+            Location::Height(_) => return Err(Error::Bug("a height in the mesh of a file".into())),
+        };
+        Ok(InterfaceRequest { name: spec.name.clone(), place })
+    };
+    let material = |material: &Material| MaterialGroups {
+        name: material.name.clone(),
+        groups: material.groups.clone(),
+    };
+    let request = Request {
+        scale: file.scale,
+        raise_order: file.raise_order.then_some(2),
+        materials: case.materials.iter().map(material).collect(),
+        surfaces: case.surfaces().iter().map(|surface| surface.name().to_owned()).collect(),
+        interfaces: case.interfaces.iter().map(interface).collect::<Result<_>>()?,
+    };
+    whole::build(&content, &request, &path)
+}
+
+/// Whether a file is one of MED: HDF5, by its ending.
+fn is_med(path: &Path) -> bool {
+    let is = |ending: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending));
+    is("med") || is("mmed") || is("rmed")
 }

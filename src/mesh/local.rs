@@ -1,27 +1,16 @@
 //! The part of the mesh that one rank holds, as arrays.
 
-use std::collections::HashMap;
+use serde::{Deserialize, Serialize};
 
-use super::MeshFacts;
+use super::directions::Directions;
 use super::lattice::Column;
-use super::marks::{Lip, Marks, SURFACES};
-use crate::case::Surface;
+use super::marks::{Lip, Marks};
+use super::{Geometry, MeshFacts, Prototype};
+use crate::case::SurfaceBit;
 use crate::element::Shape;
 
-/// A cell that stands for all its like: cells of one geometry, material and order are identical up
-/// to translation, and share one stiffness.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Prototype {
-    /// Edge lengths along x, y, z (m; y is 1 in 2D).
-    pub size: [f64; 3],
-    /// Index of the material.
-    pub material: usize,
-    /// The shape of the cell.
-    pub shape: Shape,
-}
-
 /// Nodes by number: their names, positions and marks.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Places {
     /// Names.
     pub names: Vec<u64>,
@@ -32,7 +21,7 @@ pub struct Places {
 }
 
 /// A facet of a cell.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Facet {
     /// The cell, by its number on this rank.
     pub cell: u32,
@@ -41,7 +30,7 @@ pub struct Facet {
 }
 
 /// A facet of a cell of any rank.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FarFacet {
     /// Name of the cell.
     pub cell: u64,
@@ -67,9 +56,10 @@ pub struct Interpolation {
 /// The cells of one rank, with their nodes by number.
 ///
 /// Nodes are numbered by rising name; the numbering of the unknowns reorders them later.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct LocalMesh {
-    /// What is known of the whole mesh.
+    /// What is known of the whole mesh; known beforehand where a mesh is sent.
+    #[serde(skip)]
     pub facts: MeshFacts,
     /// Cell names, rising.
     pub cells: Vec<u64>,
@@ -83,16 +73,22 @@ pub struct LocalMesh {
     pub(super) connectivity: Vec<u32>,
     /// The nodes of the cells, by rising name.
     pub nodes: Places,
-    /// The facets on each named surface, by rising cell.
-    pub(super) surfaces: [Vec<Facet>; SURFACES.len()],
+    /// The facets on each surface of the case, by rising cell.
+    pub(super) surfaces: Vec<Vec<Facet>>,
     /// The facets on both lips of each interface, by rising cell.
     pub(super) lips: Vec<[Vec<Facet>; 2]>,
+    /// For each facet of `lips` the facets of any rank that may face it; none in lattices, where
+    /// they are found when they are asked for.
+    pub(super) facing: Vec<[Vec<Vec<FarFacet>>; 2]>,
+    /// Directions at the nodes that are not those of the axes; none in lattices.
+    pub directions: Directions,
     /// Cells that the largest mesh held by any rank before the distribution had.
     pub coarse_cells: u64,
     /// Whether the nodes are the corners of the cells only.
     pub(super) is_of_corners: bool,
-    /// What the arrays were made of.
-    pub(super) lattice: Column,
+    /// What the arrays were made of, where that was a lattice.
+    #[serde(skip)]
+    pub(super) lattice: Option<Column>,
 }
 
 impl LocalMesh {
@@ -103,7 +99,12 @@ impl LocalMesh {
 
     /// The lattice of these cells, where there is one.
     pub fn lattice(&self) -> Option<&Column> {
-        Some(&self.lattice)
+        self.lattice.as_ref()
+    }
+
+    /// Whether it is the mesh of a file.
+    pub fn is_of_file(&self) -> bool {
+        self.lattice.is_none()
     }
 
     /// The prototype of a cell.
@@ -117,14 +118,29 @@ impl LocalMesh {
         if self.is_of_corners { shape.corners() } else { shape }
     }
 
+    /// Edge lengths along x, y, z of the smallest box around a cell (m; y is 1 in 2D boxes).
+    pub fn extent(&self, cell: usize) -> [f64; 3] {
+        if let Geometry::Box(size) = self.prototype(cell).geometry {
+            return size;
+        }
+        let points = || self.cell_nodes(cell).iter().map(|n| self.nodes.points[*n as usize]);
+        std::array::from_fn(|i| {
+            let along = || points().map(|x| x[i]);
+            along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+        })
+    }
+
     /// Nodes of a cell in the order of its shape.
     pub fn cell_nodes(&self, cell: usize) -> &[u32] {
         &self.connectivity[self.start[cell] as usize..self.start[cell + 1] as usize]
     }
 
-    /// The facets of this rank's cells on a named surface, by rising cell; none of `all`.
-    pub fn on_surface(&self, surface: Surface) -> &[Facet] {
-        SURFACES.iter().position(|s| *s == surface).map_or(&[], |index| &self.surfaces[index])
+    /// The facets of this rank's cells on a surface of the case, by rising cell; none of `all`.
+    pub fn on_surface(&self, surface: SurfaceBit) -> &[Facet] {
+        match surface {
+            SurfaceBit::All => &[],
+            SurfaceBit::Place(place) => self.surfaces.get(place).map_or(&[], Vec::as_slice),
+        }
     }
 
     /// The facets of this rank's cells on a lip of an interface, by rising cell.
@@ -136,9 +152,40 @@ impl LocalMesh {
     pub fn facet_nodes(&self, facet: Facet) -> (Shape, Vec<u32>) {
         let (nodes, shape) =
             (self.cell_nodes(facet.cell as usize), self.shape(facet.cell as usize));
-        let of_facet = shape.facet().expect("cells have two or three dimensions");
-        let order = shape.facets()[facet.facet as usize].iter();
+        let local = facet.facet as usize;
+        let of_facet = shape.facet_shape(local).expect("cells have two or three dimensions");
+        let order = shape.facets()[local].iter();
         (of_facet, order.map(|a| nodes[*a]).collect())
+    }
+
+    /// The facets of any rank that face a facet of this rank's cells on a lip of an interface, or
+    /// may.
+    pub fn across(&self, interface: usize, lip: Lip, facet: Facet) -> Vec<FarFacet> {
+        if let Some(column) = &self.lattice {
+            return self.across_lattice(column, interface, lip, facet);
+        }
+        let facets = &self.lips[interface][lip.index()];
+        let Ok(place) = facets.binary_search(&facet) else { return Vec::new() };
+        let mut facing = self.facing[interface][lip.index()][place].clone();
+        if self.is_of_corners {
+            for far in &mut facing {
+                far.shape = far.shape.corners();
+                far.nodes.truncate(far.shape.nodes());
+                far.points.truncate(far.shape.nodes());
+            }
+        }
+        facing
+    }
+
+    /// The cell of this rank that holds a point, and the reference coordinates there. A point on an
+    /// interface of a lattice belongs to the body below, and is found by exactly one rank; in other
+    /// meshes every rank that holds such a cell finds the first of its own.
+    pub fn locate(&self, point: [f64; 3]) -> Option<(usize, [f64; 3])> {
+        if let Some(column) = &self.lattice {
+            return self.locate_in_lattice(column, point);
+        }
+        let cells = 0..self.cells.len();
+        cells.into_iter().find_map(|cell| Some((cell, self.coordinates_in(cell, point)?)))
     }
 
     /// Shape and nodes of a facet of a lip, in an order in which both lips run the same way: x
@@ -181,6 +228,8 @@ impl LocalMesh {
             nodes: self.nodes.picked(&kept),
             surfaces: self.surfaces.clone(),
             lips: self.lips.clone(),
+            facing: self.facing.clone(),
+            directions: self.directions.clone(),
             coarse_cells: self.coarse_cells,
             is_of_corners: true,
             lattice: self.lattice.clone(),
@@ -207,75 +256,5 @@ impl Places {
     /// The number of a node, where names rise.
     pub fn number(&self, name: u64) -> Option<usize> {
         self.names.binary_search(&name).ok()
-    }
-}
-
-/// Cells whose edges differ by less than this part of them are alike.
-const ALIKE: f64 = 1e-12;
-/// Bits of a length that are not told apart, so many that alike lengths fall into one class or into
-/// neighbouring ones.
-const COARSE: u32 = 14;
-
-/// Prototypes by geometry, each found in the same time however many there are.
-#[derive(Default)]
-pub(super) struct Prototypes {
-    pub list: Vec<Prototype>,
-    classes: HashMap<(usize, Shape, [u64; 3]), Vec<u32>>,
-}
-
-impl Prototypes {
-    /// The number of the first prototype that is like `cell`, which becomes one if there is none.
-    pub fn number(&mut self, cell: Prototype) -> u32 {
-        let alike = |other: &Prototype| {
-            (0..3).all(|i| (other.size[i] - cell.size[i]).abs() <= ALIKE * cell.size[i])
-        };
-        let ends = cell.size.map(|x| [x * (1.0 - ALIKE), x * (1.0 + ALIKE)].map(class));
-        let mut first: Option<u32> = None;
-        for corner in 0..8 {
-            let end = |axis: usize| corner >> axis & 1;
-            // Usually both ends are of one class.
-            if (0..3).any(|axis| end(axis) == 1 && ends[axis][0] == ends[axis][1]) {
-                continue;
-            }
-            let key = (cell.material, cell.shape, [0, 1, 2].map(|axis| ends[axis][end(axis)]));
-            let found = self.classes.get(&key).into_iter().flatten();
-            let found = found.copied().filter(|number| alike(&self.list[*number as usize]));
-            first = first.into_iter().chain(found).min();
-        }
-        first.unwrap_or_else(|| {
-            let number = self.list.len() as u32;
-            let key = (cell.material, cell.shape, cell.size.map(class));
-            self.classes.entry(key).or_default().push(number);
-            self.list.push(cell);
-            number
-        })
-    }
-}
-
-fn class(length: f64) -> u64 {
-    length.to_bits() >> COARSE
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn cells_are_alike_whatever_their_number() {
-        let cell = |size| Prototype { size, material: 0, shape: Shape::Hex8 };
-        let mut prototypes = Prototypes::default();
-        let count = 70_000_u32;
-        let edge = |i: u32| 1.0 + 1e-9 * f64::from(i);
-        for i in 0..count {
-            assert_eq!(prototypes.number(cell([edge(i), 1.0, 2.0])), i);
-        }
-        for i in (0..count).step_by(7) {
-            for by in [0.0, 9e-13, -9e-13] {
-                assert_eq!(prototypes.number(cell([edge(i) * (1.0 + by), 1.0 + by, 2.0])), i);
-            }
-        }
-        let other = Prototype { material: 1, ..cell([1.0; 3]) };
-        assert_eq!(prototypes.number(other), count);
-        assert_eq!(prototypes.list.len(), count as usize + 1);
     }
 }

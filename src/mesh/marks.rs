@@ -1,13 +1,11 @@
 //! Where a node lies: its body, the named surfaces, and the lip of an interface.
 
-use crate::case::Surface;
+use serde::{Deserialize, Serialize};
 
-/// The named surfaces, in the order of their bits.
-pub(super) const SURFACES: [Surface; 6] =
-    [Surface::Bottom, Surface::Top, Surface::Left, Surface::Right, Surface::Front, Surface::Back];
+use crate::case::SurfaceBit;
 
 /// One of the two lips of an interface.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Lip {
     /// The face of the body below: the normal of the interface points out of it.
     Lower,
@@ -42,28 +40,39 @@ impl Lip {
 }
 
 /// Where a node lies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Marks {
     /// The body, counted from the bottom.
     pub body: u32,
-    /// One bit for each named surface.
-    surfaces: u8,
+    /// Whether the node lies on a lip and carries no multiplier, because interfaces meet or end
+    /// there; never in a column.
+    pub is_junction: bool,
+    /// One bit for each surface of the case, by its place in the list.
+    surfaces: u128,
     /// Twice the interface plus the lip, plus one; 0 where there is none.
     lip: u32,
 }
 
+/// Bits of a number on its journey between ranks, all of which a number of 64 bits keeps.
+const BITS: u32 = 52;
+
 impl Marks {
-    /// Of a node of `body` on the surfaces of `is_on`, in the order of their bits.
-    pub(super) fn new(body: usize, is_on: [bool; 6], lip: Option<(usize, Lip)>) -> Self {
-        let surfaces = is_on.iter().enumerate().map(|(bit, on)| u8::from(*on) << bit).sum();
+    /// Numbers that marks take on their journey between ranks.
+    pub const PACKED: usize = 4;
+
+    /// Of a node of `body` on the surfaces whose bits are set, by their places in the list of the
+    /// case; no junction.
+    pub(super) fn new(body: usize, surfaces: u128, lip: Option<(usize, Lip)>) -> Self {
         let lip = lip.map_or(0, |(index, lip)| 1 + 2 * index + lip.index());
-        Self { body: body as u32, surfaces, lip: lip as u32 }
+        Self { body: body as u32, is_junction: false, surfaces, lip: lip as u32 }
     }
 
-    /// Whether the node lies on `surface`.
-    pub fn is_on(&self, surface: Surface) -> bool {
-        let bit = SURFACES.iter().position(|s| *s == surface);
-        bit.is_none_or(|bit| self.surfaces >> bit & 1 == 1)
+    /// Whether the node lies on a surface.
+    pub fn is_on(&self, surface: SurfaceBit) -> bool {
+        match surface {
+            SurfaceBit::All => true,
+            SurfaceBit::Place(place) => place < 128 && self.surfaces >> place & 1 == 1,
+        }
     }
 
     /// The interface on whose lip the node lies, and which lip that is.
@@ -77,16 +86,25 @@ impl Marks {
         self.lip() == Some((interface, lip))
     }
 
-    /// As one number, which is whole and below 2^52.
-    pub fn packed(&self) -> f64 {
-        (u64::from(self.surfaces) | u64::from(self.body) << 6 | u64::from(self.lip) << 28) as f64
+    /// As whole numbers below 2^52, which survive any exchange of numbers.
+    pub fn packed(&self) -> [f64; Self::PACKED] {
+        let part = |shift: u32| (self.surfaces >> shift) as u64 & ((1 << BITS) - 1);
+        let first = u64::from(self.body) | u64::from(self.is_junction) << 32;
+        // The last 24 surfaces and, below 2^28 as there are at most 1000 interfaces, the lip.
+        let last = part(2 * BITS) | u64::from(self.lip) << 24;
+        [first, part(0), part(BITS), last].map(|bits| bits as f64)
     }
 
     /// Back from [`Marks::packed`].
-    pub fn unpacked(number: f64) -> Self {
-        let bits = number as u64;
-        let body = (bits >> 6 & 0x3f_ffff) as u32;
-        Self { body, surfaces: (bits & 0x3f) as u8, lip: (bits >> 28) as u32 }
+    pub fn unpacked(numbers: [f64; Self::PACKED]) -> Self {
+        let [first, low, middle, last] = numbers.map(|number| number as u64);
+        let high = u128::from(last & 0xff_ffff) << (2 * BITS);
+        Self {
+            body: first as u32,
+            is_junction: first >> 32 == 1,
+            surfaces: u128::from(low) | u128::from(middle) << BITS | high,
+            lip: (last >> 24) as u32,
+        }
     }
 }
 
@@ -96,16 +114,22 @@ mod tests {
 
     #[test]
     fn marks_survive_the_journey() {
-        let some = [true, false, true, true, false, true];
+        let ends = [0, 51, 52, 103, 104, 127].iter().fold(0, |bits, place| bits | 1_u128 << place);
         for lip in [None, Some((0, Lip::Lower)), Some((999, Lip::Upper))] {
-            for (body, is_on) in [(0, [false; 6]), (1000, some)] {
-                let marks = Marks::new(body, is_on, lip);
-                assert_eq!(Marks::unpacked(marks.packed()), marks);
+            for (body, surfaces) in [(0, 0), (1000, 0b101101), (u32::MAX as usize, ends)] {
+                for is_junction in [false, true] {
+                    let marks = Marks { is_junction, ..Marks::new(body, surfaces, lip) };
+                    assert_eq!(Marks::unpacked(marks.packed()), marks);
+                }
             }
         }
-        let marks = Marks::new(3, some, Some((7, Lip::Upper)));
-        assert!(marks.is_on(Surface::Bottom) && !marks.is_on(Surface::Top));
-        assert!(marks.is_on(Surface::All) && marks.is_lip(7, Lip::Upper));
+        for place in 0..128 {
+            let marks = Marks::unpacked(Marks::new(0, 1 << place, None).packed());
+            assert!((0..130).all(|p| marks.is_on(SurfaceBit::Place(p)) == (p == place)));
+        }
+        let marks = Marks::new(3, 0b101101, Some((7, Lip::Upper)));
+        assert!(marks.is_on(SurfaceBit::Place(0)) && !marks.is_on(SurfaceBit::Place(1)));
+        assert!(marks.is_on(SurfaceBit::All) && marks.is_lip(7, Lip::Upper));
         assert!(!marks.is_lip(7, Lip::Lower));
     }
 }

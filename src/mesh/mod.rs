@@ -4,19 +4,23 @@
 //! The two sides of an interface never share a node. A name of a cell or node means the same on
 //! every rank, on any number of ranks. Only this module and `reduce` know that there are lattices.
 
+mod directions;
 mod facts;
 mod family;
+pub mod import;
 mod lattice;
 mod local;
+mod locate;
 mod marks;
+mod parts;
+mod prototype;
+pub mod whole;
 
-pub use facts::{DualGraph, LipFacts, MeshFacts};
+pub use crate::case::column_axes as axes;
+pub use directions::{Directions, LipNormal, MidNode, SurfaceNormal};
+pub use facts::{DualGraph, Joint, LipFacts, MeshFacts};
 pub use family::MeshFamily;
 pub use lattice::{CellPlace, Column, NodePlace};
-pub use local::{Facet, FarFacet, Interpolation, LocalMesh, Places, Prototype};
+pub use local::{Facet, FarFacet, Interpolation, LocalMesh, Places};
 pub use marks::{Lip, Marks};
-
-/// The coordinate axes of the displacement components: x, z in 2D and x, y, z in 3D.
-pub fn axes(dim: usize) -> &'static [usize] {
-    if dim == 2 { &[0, 2] } else { &[0, 1, 2] }
-}
+pub use prototype::{Geometry, Prototype};

@@ -22,11 +22,18 @@ use ::hdf5::types::FixedAscii;
 pub const fn cell_type(shape: Shape) -> u8 {
     match shape {
         Shape::Line2 => 3,
+        Shape::Tri3 => 5,
         Shape::Quad4 => 9,
+        Shape::Tet4 => 10,
         Shape::Hex8 => 12,
+        Shape::Prism6 => 13,
+        Shape::Pyramid5 => 14,
         Shape::Line3 => 21,
+        Shape::Tri6 => 22,
+        Shape::Tet10 => 24,
         Shape::Quad9 => 28,
         Shape::Hex27 => 29,
+        Shape::Prism18 => 32,
     }
 }
 

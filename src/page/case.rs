@@ -33,9 +33,14 @@ fn pairs(html: &mut String, heading: &str, rows: Vec<(String, String)>) {
 
 fn mesh(html: &mut String, run: &Run<'_>) {
     let (case, mesh) = (run.case, &run.case.mesh);
-    let size = mesh.size.iter().map(|length| number(*length)).collect::<Vec<_>>().join(" × ");
     let shape = if case.dim == 2 { "2D, plane strain" } else { "3D" };
-    let mut rows = vec![("column".to_owned(), format!("{size} m, {shape}"))];
+    let mut rows = Vec::new();
+    if let Some(column) = mesh.column() {
+        let size = column.size.iter().map(|length| number(*length)).collect::<Vec<_>>();
+        rows.push(("column".to_owned(), format!("{} m, {shape}", size.join(" × "))));
+    } else {
+        rows.push(("mesh".to_owned(), format!("of a file, {shape}")));
+    }
     rows.push((
         "cells".to_owned(),
         format!("{}{}", in_words(&run.report["cells"]), mesh.order_words()),
@@ -57,21 +62,23 @@ fn materials(html: &mut String, run: &Run<'_>) {
         .materials
         .iter()
         .map(|material| {
-            let z = material.z.map_or_else(
-                || "everywhere".to_owned(),
-                |[low, high]| format!("{} to {} m", number(low), number(high)),
-            );
+            let place = match (material.z, &material.groups[..]) {
+                (Some([low, high]), _) => format!("{} to {} m", number(low), number(high)),
+                (None, []) => "everywhere".to_owned(),
+                (None, groups) => groups.join(", "),
+            };
             let porous = material.porous.as_ref().and_then(|p| serde_json::to_value(p).ok());
             vec![
                 material.name.clone(),
-                z,
+                place,
                 Unit::text("Pa", material.young_modulus),
                 number(material.poisson_ratio),
                 porous.map_or_else(|| "–".to_owned(), |porous| in_words(&porous)),
             ]
         })
         .collect();
-    table(html, &["name", "z", "Young's modulus", "Poisson's ratio", "porous [SI]"], &rows);
+    let place = if run.case.mesh.column().is_some() { "z" } else { "groups" };
+    table(html, &["name", place, "Young's modulus", "Poisson's ratio", "porous [SI]"], &rows);
 }
 
 fn interfaces(html: &mut String, run: &Run<'_>) {
@@ -90,14 +97,18 @@ fn interfaces(html: &mut String, run: &Run<'_>) {
             let fluid = given[index].get("fluid").filter(|fluid| !fluid.is_null());
             vec![
                 interface.name.clone(),
-                format!("{} m", number(interface.z)),
+                match interface.height() {
+                    Some(z) => format!("{} m", number(z)),
+                    None => interface.place(),
+                },
                 interface.law.name().replace('_', " "),
                 parameters.map_or_else(String::new, in_words),
                 fluid.map_or_else(|| "–".to_owned(), in_words),
             ]
         })
         .collect();
-    table(html, &["name", "z", "law", "parameters [SI]", "fluid [SI]"], &rows);
+    let place = if run.case.mesh.column().is_some() { "z" } else { "place" };
+    table(html, &["name", place, "law", "parameters [SI]", "fluid [SI]"], &rows);
 }
 
 fn boundary(html: &mut String, run: &Run<'_>) {

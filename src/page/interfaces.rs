@@ -4,7 +4,7 @@ use super::figures::{Axis, COMPUTED, in_pairs, look, numbers, panel};
 use super::law_path::{Curve, Joint, Mean, Range, along, first_loading};
 use super::words::{Unit, column, in_words, number};
 use super::{Charts, Figure, Run};
-use crate::case::InterfaceSpec;
+use crate::case::{ColumnSpec, InterfaceSpec};
 use crate::chart::{Line, Look, Panel};
 
 /// Interfaces that are drawn; a case may have a thousand.
@@ -49,8 +49,9 @@ pub(super) fn charts(run: &Run<'_>) -> Charts {
 fn of_interface(run: &Run<'_>, interface: &InterfaceSpec) -> Vec<Figure> {
     let means = means(run, interface);
     let law = interface.law.law();
-    let stiffness =
-        run.case.materials.first().map_or(1.0, |m| m.young_modulus) / run.case.mesh.height();
+    // Of a mesh of a file the thickness of the bodies is not known.
+    let height = run.case.mesh.column().map_or(1.0, ColumnSpec::height);
+    let stiffness = run.case.materials.first().map_or(1.0, |m| m.young_modulus) / height;
     let dim = run.case.dim;
     let joint = Joint { law, stiffness, dim };
     let paths = along(joint, &means);
@@ -68,8 +69,11 @@ fn of_interface(run: &Run<'_>, interface: &InterfaceSpec) -> Vec<Figure> {
         })
         .collect();
     let index = run.case.interfaces.iter().position(|i| i.name == interface.name);
-    let mut caption =
-        format!("{}, at z = {} m", interface.law.name().replace('_', " "), number(interface.z));
+    let place = match interface.height() {
+        Some(z) => format!("at z = {} m", number(z)),
+        None => interface.place(),
+    };
+    let mut caption = format!("{}, {place}", interface.law.name().replace('_', " "));
     let given = serde_json::to_value(&interface.law).unwrap_or_default();
     let parameters = given.as_object().and_then(|law| law.values().next()?.as_object());
     // The augmentation changes nothing of the answer.

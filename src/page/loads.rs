@@ -4,15 +4,15 @@ use super::figures::{Axis, COMPUTED, in_pairs, look, numbers, panel};
 use super::law_path::Curve;
 use super::words::{Unit, column, number, pairs};
 use super::{Charts, Run};
-use crate::case::{Case, Surface, Value};
+use crate::case::{Case, ColumnSpec, Surface, Value};
 use crate::chart::{Line, Panel};
 
 /// Reactions below this part of the largest are rounding only.
 const ROUNDING: f64 = 1e-9;
 
 /// A displacement that is imposed on a surface along an axis, at the instants.
-struct Imposed {
-    surface: Surface,
+struct Imposed<'r> {
+    surface: &'r Surface,
     axis: usize,
     /// m
     values: Vec<Option<f64>>,
@@ -59,10 +59,12 @@ pub(super) fn charts(run: &Run<'_>) -> Charts {
         charts.words.push(words.to_owned());
         return charts;
     }
+    let section = case.mesh.column().map_or_else(String::new, |column| {
+        let unit = if case.dim == 2 { "m wide, and forces are per metre of depth" } else { "m²" };
+        format!(" The section is {} {unit}.", number(column.section()))
+    });
     charts.words.push(format!(
-        "Straight lines join the instants; what happens between them is not recorded. The section is {} {}.",
-        number(case.mesh.section()),
-        if case.dim == 2 { "m wide, and forces are per metre of depth" } else { "m²" }
+        "Straight lines join the instants; what happens between them is not recorded.{section}"
     ));
     if by_displacement && case.control.is_some() {
         charts
@@ -103,7 +105,7 @@ fn curve(mut points: Curve, from_rest: bool, x: Quantity, y: Quantity) -> Panel 
 /// Whether a value is not the same at all instants, where the loads have a factor or change
 /// themselves.
 fn changes(case: &Case) -> impl Fn(&Value) -> bool + '_ {
-    let middle = case.mesh.lengths().map(|length| 0.5 * length);
+    let middle = lengths(case).map(|length| 0.5 * length);
     move |value| {
         let mut values = case.time.iter().map(|time| value.at(middle, *time));
         let first = value.at(middle, case.start);
@@ -120,23 +122,23 @@ fn loads(run: &Run<'_>) -> Vec<Option<(f64, f64)>> {
 }
 
 /// The displacements that change, each once, in the middle of their surfaces.
-fn imposed(run: &Run<'_>) -> Vec<Imposed> {
+fn imposed<'r>(run: &Run<'r>) -> Vec<Imposed<'r>> {
     let case = run.case;
     let loads = loads(run);
-    let mut found: Vec<Imposed> = Vec::new();
+    let mut found: Vec<Imposed<'r>> = Vec::new();
     for entry in &case.boundary {
         // The load axis first.
         for axis in [2, 0, 1] {
             let Some(value) = &entry.displacement[axis] else { continue };
-            let taken = found.iter().any(|i| i.surface == entry.on && i.axis == axis);
-            let point = middle(case, entry.on);
+            let taken = found.iter().any(|i| *i.surface == entry.on && i.axis == axis);
+            let point = middle(case, &entry.on);
             let at = |(time, factor): (f64, f64)| factor * value.at(point, time);
             let values: Vec<Option<f64>> =
                 loads.iter().map(|load| load.map(at).filter(|value| value.is_finite())).collect();
             let first = at_start(case, value, point);
             let moves = values.iter().flatten().any(|value| *value != first);
             if moves && !taken {
-                found.push(Imposed { surface: entry.on, axis, values, first });
+                found.push(Imposed { surface: &entry.on, axis, values, first });
             }
         }
     }
@@ -148,11 +150,16 @@ fn at_start(case: &Case, value: &Value, point: [f64; 3]) -> f64 {
     if case.control.is_some() { 0.0 } else { value.at(point, case.start) }
 }
 
-/// The middle of a surface.
-fn middle(case: &Case, surface: Surface) -> [f64; 3] {
-    let mut point = case.mesh.lengths().map(|length| 0.5 * length);
+/// Lengths of the column along x, y, z (m); 0 where the mesh comes from a file.
+fn lengths(case: &Case) -> [f64; 3] {
+    case.mesh.column().map_or([0.0; 3], ColumnSpec::lengths)
+}
+
+/// The middle of a surface of a column; the origin for a group of a file.
+fn middle(case: &Case, surface: &Surface) -> [f64; 3] {
+    let mut point = lengths(case).map(|length| 0.5 * length);
     if let Some((axis, far)) = surface.axis() {
-        point[axis] = if far { case.mesh.lengths()[axis] } else { 0.0 };
+        point[axis] = if far { lengths(case)[axis] } else { 0.0 };
     }
     point
 }
@@ -169,7 +176,7 @@ fn by_probes(run: &Run<'_>) -> Vec<Panel> {
                 continue;
             };
             let name = ["x", "y", "z"][axis];
-            let point = middle(case, entry.on);
+            let point = middle(case, &entry.on);
             let tractions: Vec<Option<f64>> =
                 loads.iter().map(|load| load.map(|(time, f)| f * value.at(point, time))).collect();
             let moved = column(run.history, &format!("{}.displacement_{name}", probe.name));

@@ -7,6 +7,7 @@ mod law_path;
 mod loads;
 mod outcome;
 mod over_time;
+mod scene;
 mod words;
 
 use std::fmt::Write;
@@ -18,6 +19,8 @@ use crate::chart::{Panels, svg};
 use crate::error::Result;
 use crate::html::{escaped, inlined};
 use crate::output::history::Table;
+use crate::results::Directory;
+use crate::scene::dark_rules;
 
 /// What a page is made of.
 #[derive(Debug, Clone, Copy)]
@@ -28,6 +31,8 @@ pub struct Run<'a> {
     pub history: &'a Table,
     /// The case.
     pub case: &'a Case,
+    /// The results on disk, from whose fields the scene is drawn; none where there are none.
+    pub directory: Option<&'a Directory>,
     /// What the screen was warned of and the report does not hold.
     pub warnings: &'a [String],
 }
@@ -63,12 +68,16 @@ pub fn page(run: &Run<'_>) -> Result<String> {
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n{POLICY}\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n\
-         <style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n"
+         <style>\n{}</style>\n</head>\n<body>\n<h1>{title}</h1>\n",
+        style()
     );
     outcome::summary(&mut html, run);
     outcome::warnings(&mut html, run);
     outcome::expectations(&mut html, run);
+    let pictures = scene::drawn(run);
+    scene::bodies(&mut html, &pictures)?;
     section(&mut html, "Interfaces", &interfaces::charts(run))?;
+    scene::interfaces(&mut html, &pictures)?;
     section(&mut html, "Load and displacement", &loads::charts(run))?;
     section(&mut html, "Over time", &over_time::charts(run))?;
     section(&mut html, "Convergence", &over_time::convergence(run))?;
@@ -78,6 +87,11 @@ pub fn page(run: &Run<'_>) -> Result<String> {
     case::provenance(&mut html, run);
     html.push_str("</body>\n</html>\n");
     Ok(html)
+}
+
+/// The style, with the colours of the scene in the dark.
+fn style() -> String {
+    STYLE.replacen("/* scene */", &dark_rules(), 1)
 }
 
 /// Charts, or the words that stand for them.

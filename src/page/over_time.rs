@@ -138,9 +138,8 @@ fn pressures(case: &Case) -> Chart {
 }
 
 fn displacements(run: &Run<'_>) -> Chart {
-    let axes: &[&str] = if run.case.dim == 2 { &["x", "z"] } else { &["x", "y", "z"] };
     let all = run.case.probes.iter().flat_map(|probe| {
-        axes.iter().map(|axis| {
+        run.case.axis_names().map(move |axis| {
             (format!("{}, {axis}", probe.name), format!("{}.displacement_{axis}", probe.name))
         })
     });

@@ -28,7 +28,8 @@ fn page_of(report: &Value, rows: usize) -> String {
     let row = |i: usize| vec![Some(0.5 * (i + 1) as f64); columns.len()];
     let history = Table { rows: (0..rows).map(row).collect(), columns };
     let warnings = ["an option was not used".to_owned()];
-    page(&Run { report, history: &history, case: &case, warnings: &warnings }).expect("a page")
+    page(&Run { report, history: &history, case: &case, directory: None, warnings: &warnings })
+        .expect("a page")
 }
 
 #[test]
@@ -86,7 +87,8 @@ fn numbers_that_are_none_are_left_out_of_charts() {
     let broken = vec![Some(f64::NAN); columns.len()];
     let whole = vec![Some(0.5); columns.len()];
     let history = Table { rows: vec![broken, vec![None; columns.len()], whole], columns };
-    let run = Run { report: &json!({}), history: &history, case: &case, warnings: &[] };
+    let run =
+        Run { report: &json!({}), history: &history, case: &case, directory: None, warnings: &[] };
     let html = page(&run).expect("a page");
     assert!(html.contains("<svg") && !html.contains("NaN"), "{html}");
 }

@@ -1,16 +1,20 @@
 //! Which rank owns which cell.
 //!
 //! Rank 0 builds the dual graph of the coarse mesh, METIS cuts it, and every rank receives the
-//! names of its own cells. Facing cells of an interface are joined by heavy edges, so that pairs
-//! stay together where the balance allows it; a pair that is cut all the same costs communication
-//! and nothing else.
+//! names of its own cells, of the mesh of a file the cells themselves. Facing cells of an interface
+//! are joined by heavy edges, so that pairs stay together where the balance allows it; a pair that
+//! is cut all the same costs communication and nothing else.
 
 mod metis;
 
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::case::Case;
 use crate::comm::Comm;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::hash::mix;
-use crate::mesh::MeshFamily;
+use crate::mesh::{LocalMesh, MeshFamily};
 
 /// How the cells are shared out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,39 +36,81 @@ impl Method {
     }
 }
 
-/// The coarse cells of this rank, rising, and the size of the mesh that was cut.
+/// The meshes of a case, on all ranks: rank 0 reads a file. Collective.
 ///
-/// Collective; rank 0 does the work.
+/// # Errors
+/// As [`MeshFamily::new`].
+pub fn family(comm: &Comm, case: &Case) -> Result<MeshFamily> {
+    if case.mesh.file().is_none() {
+        return comm.agree(MeshFamily::new(case));
+    }
+    let local = if comm.is_root() { MeshFamily::new(case).map(Some) } else { Ok(None) };
+    let read = comm.agree(local)?;
+    let facts = read.as_ref().map(|family| pack(&family.facts())).transpose();
+    let facts = unpack(&comm.broadcast_bytes(comm.agree(facts)?.unwrap_or_default()));
+    let facts = comm.agree(facts)?;
+    Ok(read.unwrap_or_else(|| MeshFamily::known_by_its_facts(facts)))
+}
+
+/// The nested meshes of this rank, coarsest first: its part of each. Collective; rank 0 does the
+/// work.
 ///
 /// # Errors
 /// `Input` when there are too many cells, `System` when METIS fails.
-pub fn distribute(comm: &Comm, family: &MeshFamily, method: Method) -> Result<(Vec<u64>, u64)> {
-    let parts = comm.size() as usize;
-    let local = if comm.is_root() { lists(family, parts, method) } else { Ok(Vec::new()) };
-    let mut lists = comm.agree(local)?;
-    lists.resize(parts, Vec::new());
-    let mut received = comm.exchange(&lists);
-    let held = if comm.is_root() { family.coarse_cells() } else { 0 };
-    Ok((std::mem::take(&mut received[0]), comm.max_u64(held)))
-}
-
-/// The cells of every rank.
-fn lists(family: &MeshFamily, parts: usize, method: Method) -> Result<Vec<Vec<u64>>> {
-    let cells = family.coarse_cells();
-    let mut lists = vec![Vec::new(); parts];
-    if parts == 1 {
-        lists[0] = (0..cells).collect();
-        return Ok(lists);
+pub fn share_out(comm: &Comm, family: &MeshFamily, method: Method) -> Result<Vec<LocalMesh>> {
+    let ranks = comm.size() as usize;
+    let local = if comm.is_root() { ranks_of(family, ranks, method) } else { Ok(Vec::new()) };
+    let rank_of = comm.agree(local)?;
+    if family.is_of_file() {
+        return share_out_file(comm, family, &rank_of).map(|mesh| vec![mesh]);
     }
-    let rank_of: Vec<i32> = match method {
-        Method::Scattered => (0..cells).map(|c| (mix(c) % parts as u64) as i32).collect(),
-        Method::Metis => {
-            let graph = family.dual_graph()?;
-            metis::cut(&graph.start, &graph.neighbours, &graph.weights, &graph.work, parts)?
-        }
-    };
+    let mut lists = vec![Vec::new(); ranks];
     for (cell, rank) in rank_of.iter().enumerate() {
         lists[*rank as usize].push(cell as u64);
     }
-    Ok(lists)
+    let mut received = comm.exchange(&lists);
+    let held = if comm.is_root() { family.coarse_cells() } else { 0 };
+    let cells = std::mem::take(&mut received[0]);
+    let meshes = family.share(cells, comm.max_u64(held));
+    meshes.ok_or_else(|| Error::Bug("a column without its levels".into()))
+}
+
+/// Sends the parts of the mesh of a file from rank 0. Collective.
+fn share_out_file(comm: &Comm, family: &MeshFamily, rank_of: &[i32]) -> Result<LocalMesh> {
+    let ranks = comm.size() as usize;
+    let packed = || -> Result<Vec<Vec<u8>>> {
+        if !comm.is_root() {
+            return Ok(vec![Vec::new(); ranks]);
+        }
+        family.parts(rank_of, ranks)?.iter().map(pack).collect()
+    };
+    let packed = comm.agree(packed())?;
+    let received = comm.exchange(&packed);
+    let mut mesh: LocalMesh = comm.agree(unpack(&received[0]))?;
+    mesh.facts = family.facts();
+    Ok(mesh)
+}
+
+fn pack<T: Serialize>(what: &T) -> Result<Vec<u8>> {
+    postcard::to_stdvec(what).map_err(|error| Error::Bug(format!("a mesh cannot be sent: {error}")))
+}
+
+fn unpack<T: DeserializeOwned>(bytes: &[u8]) -> Result<T> {
+    let read = postcard::from_bytes(bytes);
+    read.map_err(|error| Error::Bug(format!("a mesh cannot be received: {error}")))
+}
+
+/// The rank of every cell.
+fn ranks_of(family: &MeshFamily, ranks: usize, method: Method) -> Result<Vec<i32>> {
+    let cells = family.coarse_cells();
+    if ranks == 1 {
+        return Ok(vec![0; cells as usize]);
+    }
+    match method {
+        Method::Scattered => Ok((0..cells).map(|c| (mix(c) % ranks as u64) as i32).collect()),
+        Method::Metis => {
+            let graph = family.dual_graph()?;
+            metis::cut(&graph.start, &graph.neighbours, &graph.weights, &graph.work, ranks)
+        }
+    }
 }

@@ -8,6 +8,8 @@ use super::{Petsc, Vector, ffi};
 use crate::error::{Error, Result};
 use std::ptr;
 
+mod near_null_space;
+
 /// A sparse matrix with its rows shared out over the ranks, in square blocks; symmetric unless
 /// [`Matrix::declare_unsymmetric`] says otherwise.
 ///
@@ -335,30 +337,6 @@ impl Matrix {
         }
         // SAFETY: valid objects that fit; `x` and `y` differ, as one is borrowed alone.
         check(unsafe { ffi::MatMult(self.raw, x.raw(), y.raw()) }, "MatMult")
-    }
-
-    /// Tells algebraic multigrid the rigid-body motions of the nodes at `coordinates`, a vector of
-    /// as many entries and the same blocks as the rows. Collective.
-    ///
-    /// # Errors
-    /// `Bug` when a length does not fit; `System` when PETSc fails.
-    pub fn set_rigid_body_near_null_space(&mut self, coordinates: &Vector) -> Result<()> {
-        if coordinates.owned() != self.owned {
-            return Err(Error::Bug(format!(
-                "{} coordinates for {} rows",
-                coordinates.owned(),
-                self.owned
-            )));
-        }
-        let mut motions = ptr::null_mut();
-        // SAFETY: a valid vector with its block size set.
-        let code = unsafe { ffi::MatNullSpaceCreateRigidBody(coordinates.raw(), &mut motions) };
-        check(code, "MatNullSpaceCreateRigidBody")?;
-        // SAFETY: two valid objects; the matrix takes a reference of its own.
-        let code = unsafe { ffi::MatSetNearNullSpace(self.raw, motions) };
-        // SAFETY: our reference, given up once.
-        unsafe { ffi::MatNullSpaceDestroy(&mut motions) };
-        check(code, "MatSetNearNullSpace")
     }
 
     fn info(&self) -> Result<ffi::MatInfo> {

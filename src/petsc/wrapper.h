@@ -9,7 +9,7 @@
 // bind functions: VecCreateMPI VecDuplicate VecDestroy VecSetBlockSize VecGetLocalSize VecGetArray VecRestoreArray VecGetArrayRead VecRestoreArrayRead VecNorm VecSet VecCopy
 // bind functions: MatCreate MatDestroy MatSetSizes MatSetType MatSetBlockSize MatSetOption MatSeqAIJSetPreallocation MatMPIAIJSetPreallocation
 // bind functions: MatSetValuesBlocked MatSetValues MatAssemblyBegin MatAssemblyEnd MatZeroEntries MatMult MatGetInfo MatZeroRows MatGetOwnershipRange MatGetRow MatRestoreRow
-// bind functions: MatSetNearNullSpace MatNullSpaceCreateRigidBody MatNullSpaceDestroy MatMumpsGetInfog
+// bind functions: MatSetNearNullSpace MatNullSpaceCreate MatNullSpaceCreateRigidBody MatNullSpaceDestroy MatMumpsGetInfog
 // bind functions: KSPGetPC KSPGetIterationNumber KSPGetConvergedReason KSPSetTolerances KSPReset KSPGetResidualNorm KSPGetType
 // bind functions: PCHYPREGetType PCFactorGetMatrix PCFactorGetMatSolverType PCGetType PCGetFailedReason
 // bind functions: SNESCreate SNESDestroy SNESSetType SNESSetLagPreconditioner SNESSetFunction SNESSetJacobian SNESSetFromOptions SNESSetOptionsPrefix SNESSolve SNESGetKSP SNESGetConvergedReason SNESGetIterationNumber SNESGetLinearSolveIterations SNESSetConvergenceTest SNESSetTolerances SNESGetLineSearch SNESLineSearchSetPreCheck SNESLineSearchSetType SNESGetFunction SNESGetSolution

@@ -16,8 +16,8 @@ pub struct Joints {
 }
 
 /// Whether a surface prescribes a component of the displacement along an axis.
-pub(super) fn holds(case: &Case, surface: Surface, axis: usize) -> bool {
-    let mut entries = case.boundary.iter().filter(|entry| entry.on == surface);
+pub(super) fn holds(case: &Case, surface: &Surface, axis: usize) -> bool {
+    let mut entries = case.boundary.iter().filter(|entry| entry.on == *surface);
     entries.any(|entry| entry.displacement[axis].is_some())
 }
 
@@ -40,7 +40,7 @@ pub fn size_over_strain(case: &Case, column: &Column, joints: &Joints) -> Result
     let mut sum = 0.0;
     let reach = |axes: &[usize]| reach(case, column, joints, axes);
     for (axis, near, beyond) in
-        [(0, Surface::Left, Surface::Right), (1, Surface::Front, Surface::Back)]
+        [(0, &Surface::Left, &Surface::Right), (1, &Surface::Front, &Surface::Back)]
     {
         if case.dim == 2 && axis == 1 {
             continue;
@@ -63,12 +63,12 @@ pub fn size_over_strain(case: &Case, column: &Column, joints: &Joints) -> Result
 /// The greatest distance of a point from an end of the column that prescribes the displacements
 /// along `axes`, over tied interfaces alone (m).
 fn reach(case: &Case, column: &Column, joints: &Joints, axes: &[usize]) -> Result<f64, String> {
-    let held = |surface: Surface| axes.iter().all(|axis| holds(case, surface, *axis));
-    let (from_below, from_above) = (held(Surface::Bottom), held(Surface::Top));
+    let held = |surface: &Surface| axes.iter().all(|axis| holds(case, surface, *axis));
+    let (from_below, from_above) = (held(&Surface::Bottom), held(&Surface::Top));
     let height = column.size[2];
     let first = joints.is_tied.iter().position(|tied| !tied);
     let last = joints.is_tied.iter().rposition(|tied| !tied);
-    let z = |interface: usize| case.interfaces[interface].z;
+    let z = |interface: usize| case.interfaces[interface].height().unwrap_or(height);
     match (first, last) {
         (Some(first), Some(last)) if first == last && from_below && from_above => {
             Ok(z(first).max(height - z(last)))
@@ -139,7 +139,7 @@ pub fn softening(
     if slope == 0.0 {
         return Ok(0.0);
     }
-    if !(holds(case, Surface::Bottom, 2) && holds(case, Surface::Top, 2)) {
+    if !(holds(case, &Surface::Bottom, 2) && holds(case, &Surface::Top, 2)) {
         return Err(format!("{name} softens and an end of the column is free along z"));
     }
     // Nodes share the jump out to areas: of a jump that varies linearly over n cells its square is

@@ -5,7 +5,7 @@ use super::forces::add_forces;
 use super::lips::Lips;
 use super::refusal::loads_at;
 use super::{Prolongation, Snapshot};
-use crate::case::{Case, Surface};
+use crate::case::{Case, SurfaceBit};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::solve::{BoundaryValueProblem, reactions};
@@ -44,7 +44,7 @@ pub fn prove(
     prolongation: &Prolongation,
     states: &[Snapshot],
 ) -> Result<Proof> {
-    let surfaces = case.supported_surfaces();
+    let surfaces = case.supported_bits();
     let proof = Prover { comm, case, asked, prolongation, states, surfaces };
     let lips = Lips { case, asked, prolongation, states };
     let strain = size_over_strain(case, prolongation.wide(), &lips.joints());
@@ -59,7 +59,9 @@ pub fn prove(
     if energy == 0.0 {
         return Err(Error::Numerics("nothing is deformed".into()));
     }
-    let cells = asked.mesh.prototypes.iter().map(|p| (p.size, p.shape.order()));
+    // A lattice has boxes only.
+    let boxes = asked.mesh.prototypes.iter();
+    let cells = boxes.filter_map(|p| Some((p.geometry.size()?, p.shape.order())));
     let mut least = [size_over_values(case.dim, cells)];
     comm.min(&mut least);
     // |e|^2 <= R.e / (1 - softening) and |e_j| <= sqrt(strain / (stiffness mass)) |e|.
@@ -99,7 +101,7 @@ struct Prover<'p> {
     prolongation: &'p Prolongation,
     states: &'p [Snapshot],
     /// Those that prescribe a displacement.
-    surfaces: Vec<Surface>,
+    surfaces: Vec<SurfaceBit>,
 }
 
 impl Prover<'_> {
@@ -113,7 +115,8 @@ impl Prover<'_> {
 
     /// The first displacement of this rank's that is prescribed and not met, in words. Local.
     fn first_not_met(&self) -> Result<Option<String>> {
-        let BoundaryValueProblem { all, prescribed, .. } = self.asked;
+        let BoundaryValueProblem { all, supports, .. } = self.asked;
+        let prescribed = &supports.prescribed;
         let held = || (0..all.nodes.owned).filter(|node| all.prescribed[*node] != [false; 3]);
         let names: Vec<u64> = held().map(|node| all.nodes.names[node]).collect();
         let places: Vec<_> = held().map(|node| all.nodes.points[node]).collect();

@@ -45,14 +45,14 @@ pub fn add_forces(
         .collect();
     // Long runs of cells are alike.
     let mut linear: Vec<Alike> = Vec::new();
-    let mut last = 0;
+    let (mut last, mut buffer) = (0, Vec::new());
     let mut energy = 0.0;
     for (index, cell) in mesh.cells.iter().enumerate() {
         let place = column.cell_place(*cell);
         let name = prolongation.parent_cell(place);
         let parent = &parents[name as usize];
         let nodes = all.cells.nodes(index);
-        let matrix = &all.cells.stiffness(index).matrix;
+        let matrix = all.cells.matrix(index, &mut buffer);
         let key = (name, mesh.cell_prototype[index]);
         if linear.get(last).is_none_or(|(before, _)| *before != key) {
             last = linear.iter().position(|(known, _)| *known == key).unwrap_or(linear.len());

@@ -95,8 +95,8 @@ fn narrower(case: &Case, wide: &Column) -> Vec<Candidate> {
 
 /// Whether both faces across an axis are held along it, so that nothing need vary there.
 fn is_held(case: &Case, axis: usize) -> bool {
-    let faces = [[Surface::Left, Surface::Right], [Surface::Front, Surface::Back]][axis];
-    faces.into_iter().all(|face| holds(case, face, axis))
+    let faces = &[[Surface::Left, Surface::Right], [Surface::Front, Surface::Back]][axis];
+    faces.iter().all(|face| holds(case, face, axis))
 }
 
 /// The case of a smaller model of the one whose interfaces have these `sides`. Local.

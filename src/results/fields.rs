@@ -8,9 +8,9 @@ use crate::element::Shape;
 use crate::error::{Error, Result};
 use crate::output::vtkhdf::cell_type;
 
-/// Kinds of cells that field files hold.
-const SHAPES: [Shape; 6] =
-    [Shape::Line2, Shape::Quad4, Shape::Hex8, Shape::Line3, Shape::Quad9, Shape::Hex27];
+/// Where values at points and at cells are.
+const POINT_DATA: &str = "PointData";
+const CELL_DATA: &str = "CellData";
 
 /// The fields of the bulk or of an interface at one instant. Arrays are read when they are asked
 /// for; everything here is local.
@@ -18,6 +18,26 @@ const SHAPES: [Shape; 6] =
 pub struct Snapshot {
     path: PathBuf,
     group: Group,
+}
+
+/// The grid of a field file: cells of any kinds.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct FieldGrid {
+    /// The places of the points (m).
+    pub points: Vec<[f64; 3]>,
+    /// The shape of each cell.
+    pub shapes: Vec<Shape>,
+    /// Where the points of each cell begin in `nodes`, and where those of the last end.
+    pub starts: Vec<usize>,
+    /// The points of the cells by their rows, in the order of the shapes.
+    pub nodes: Vec<u32>,
+}
+
+impl FieldGrid {
+    /// The points of a cell.
+    pub fn cell(&self, cell: usize) -> &[u32] {
+        &self.nodes[self.starts[cell]..self.starts[cell + 1]]
+    }
 }
 
 /// Values at points or cells, one row for each.
@@ -64,20 +84,34 @@ impl Snapshot {
     /// # Errors
     /// [`Error::System`] when they cannot be read, or do not fit each other.
     pub fn cells(&self) -> Result<Vec<(Shape, Vec<usize>)>> {
-        let points = self.dataset("Points")?.shape().first().copied().unwrap_or_default();
-        let [connectivity, ends, types] =
+        let grid = self.grid()?;
+        let rows = |cell| grid.cell(cell).iter().map(|row| *row as usize).collect();
+        Ok(grid.shapes.iter().enumerate().map(|(cell, shape)| (*shape, rows(cell))).collect())
+    }
+
+    /// Points and cells, as flat arrays.
+    ///
+    /// # Errors
+    /// As [`Snapshot::cells`].
+    pub fn grid(&self) -> Result<FieldGrid> {
+        let points = self.points()?;
+        let [connectivity, starts, types] =
             ["Connectivity", "Offsets", "Types"].map(|name| self.counts(name));
-        let (connectivity, ends, types) = (connectivity?, ends?, types?);
-        if connectivity.iter().any(|row| *row >= points) || ends.len() != types.len() + 1 {
+        let (connectivity, starts, types) = (connectivity?, starts?, types?);
+        let fits = |row: &usize| *row < points.len() && u32::try_from(*row).is_ok();
+        if !connectivity.iter().all(fits) || starts.len() != types.len() + 1 {
             return Err(self.wrong("its cells do not fit its points"));
         }
-        let cell = |(ends, kind): (&[usize], &usize)| {
-            let shape = SHAPES.into_iter().find(|s| usize::from(cell_type(*s)) == *kind)?;
-            let nodes = connectivity.get(ends[0]..ends[1])?.to_vec();
-            (nodes.len() == shape.nodes()).then_some((shape, nodes))
+        let shape = |(ends, kind): (&[usize], &usize)| {
+            let found = Shape::ALL.into_iter().find(|s| usize::from(cell_type(*s)) == *kind);
+            found.filter(|shape| {
+                connectivity.get(ends[0]..ends[1]).map(<[_]>::len) == Some(shape.nodes())
+            })
         };
-        let cells = ends.windows(2).zip(&types).map(cell).collect::<Option<Vec<_>>>();
-        cells.ok_or_else(|| self.wrong("it holds cells that are none"))
+        let shapes = starts.windows(2).zip(&types).map(shape).collect::<Option<Vec<_>>>();
+        let shapes = shapes.ok_or_else(|| self.wrong("it holds cells that are none"))?;
+        let nodes = connectivity.iter().map(|row| *row as u32).collect();
+        Ok(FieldGrid { points, shapes, starts, nodes })
     }
 
     /// The names of the arrays at points.
@@ -85,7 +119,7 @@ impl Snapshot {
     /// # Errors
     /// [`Error::System`] when they cannot be read.
     pub fn names_at_points(&self) -> Result<Vec<String>> {
-        self.names("PointData")
+        self.names(POINT_DATA)
     }
 
     /// The names of the arrays at cells.
@@ -93,7 +127,7 @@ impl Snapshot {
     /// # Errors
     /// [`Error::System`] when they cannot be read.
     pub fn names_at_cells(&self) -> Result<Vec<String>> {
-        self.names("CellData")
+        self.names(CELL_DATA)
     }
 
     /// An array at points: `displacement` (m) in the bulk; `jump` (m), `traction` (Pa), `damage`,
@@ -102,7 +136,7 @@ impl Snapshot {
     /// # Errors
     /// [`Error::Input`] when there is no such array; [`Error::System`] when it cannot be read.
     pub fn at_points(&self, name: &str) -> Result<Array> {
-        self.array("PointData", name)
+        self.array(POINT_DATA, name)
     }
 
     /// An array at cells: `stress` (Pa), `material`, `rank` in the bulk, and what flow adds.
@@ -110,7 +144,17 @@ impl Snapshot {
     /// # Errors
     /// As [`Snapshot::at_points`].
     pub fn at_cells(&self, name: &str) -> Result<Array> {
-        self.array("CellData", name)
+        self.array(CELL_DATA, name)
+    }
+
+    /// Values of a row of an array at points or cells, without reading it.
+    ///
+    /// # Errors
+    /// [`Error::System`] when there is no such array.
+    pub(crate) fn components(&self, name: &str, at_cells: bool) -> Result<usize> {
+        let place = if at_cells { CELL_DATA } else { POINT_DATA };
+        let shape = self.dataset(&format!("{place}/{name}"))?.shape();
+        Ok(shape.get(1).copied().unwrap_or(1))
     }
 
     fn array(&self, place: &str, name: &str) -> Result<Array> {
@@ -119,7 +163,13 @@ impl Snapshot {
             let (path, known) = (self.path.display(), known.join(", "));
             return Err(Error::Input(format!("{path} has no {place} `{name}` (it has: {known})")));
         }
-        self.read(&format!("{place}/{name}"))
+        let array = self.read(&format!("{place}/{name}"))?;
+        let of = if place == CELL_DATA { "Types" } else { "Points" };
+        let rows = self.dataset(of)?.shape().first().copied().unwrap_or_default();
+        if array.rows().len() != rows {
+            return Err(self.wrong(format!("{name} has no row for each of {rows} {of}")));
+        }
+        Ok(array)
     }
 
     fn names(&self, place: &str) -> Result<Vec<String>> {

@@ -21,7 +21,7 @@ mod fields;
 mod history;
 
 pub use directory::{Directory, Series};
-pub use fields::{Array, Snapshot};
+pub use fields::{Array, FieldGrid, Snapshot};
 pub use history::History;
 
 use serde_json::Value;

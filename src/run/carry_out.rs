@@ -15,6 +15,7 @@ use crate::output::lock::Lock;
 use crate::partition::{self, Method};
 use crate::reduce::Situation;
 use crate::runtime::Runtime;
+use crate::solve::model::held_bodies;
 use crate::solve::{self, BoundaryValueProblem, LinearChoice, MULTIGRID, Model};
 use crate::timers::{Phase, Timers};
 use crate::{fault, signals};
@@ -56,6 +57,13 @@ pub fn carry_out(
     runtime.petsc.options_of_case(&case.solver.petsc_options)?;
     let resolved = case.resolved().to_string();
     let _lock = output.map(|output| Lock::take(comm, output.directory)).transpose()?;
+    let family = {
+        let _phase = timers.enter(Phase::Mesh);
+        partition::family(comm, case)?
+    };
+    // The mesh of a file tells its dimension.
+    let case = &comm.agree(case.clone().for_dimension(family.facts().dim))?;
+    family.remarks.iter().for_each(|words| tracing::info!("mesh       {words}"));
     let restart = match output {
         Some(Output { directory, restart: Some(word), .. }) => {
             Some(Restart::open(comm, word, directory, case)?)
@@ -68,7 +76,7 @@ pub fn carry_out(
     };
 
     let place = output.map(|output| output.directory);
-    let (mut model, solution) = build(runtime, timers, case, place, restart.is_some())?;
+    let (mut model, solution) = build(runtime, timers, case, family, place, restart.is_some())?;
     let state = restart.map(|restart| restart.resume(comm, case, &mut model)).transpose()?;
     let directory = match (output, &state) {
         (Some(Output { directory, .. }), Some(state)) => {
@@ -94,14 +102,11 @@ fn build<'a>(
     runtime: &'a Runtime,
     timers: &'a Timers,
     case: &'a Case,
+    mut family: MeshFamily,
     directory: Option<&Path>,
     goes_on: bool,
 ) -> Result<(Model<'a>, Solution)> {
     let comm = &runtime.comm;
-    let mut family = {
-        let _phase = timers.enter(Phase::Mesh);
-        comm.agree(MeshFamily::new(case))?
-    };
     fault::strike(comm, "mesh")?;
     let facts = family.facts();
     let mut choice = LinearChoice::new(case, &facts);
@@ -110,18 +115,16 @@ fn build<'a>(
         choice = choice.without_levels();
     }
     resources::check(comm, case, &facts, &choice, directory)?;
-    let (cells, before) = {
-        let _phase = timers.enter(Phase::Partition);
-        partition::distribute(comm, &family, Method::from_environment())?
-    };
     let mut meshes = {
-        let _phase = timers.enter(Phase::Mesh);
-        family.share(cells, before)
+        let _phase = timers.enter(Phase::Partition);
+        partition::share_out(comm, &family, Method::from_environment())?
     };
+    drop(family);
     fault::strike(comm, "distribute")?;
     let phase = timers.enter(Phase::Assembly);
     let finest = meshes.pop().ok_or_else(|| Error::Bug("no mesh".into()))?;
     let problem = BoundaryValueProblem::new(comm, case, finest)?;
+    held_bodies::check(comm, case, &problem)?;
     drop(phase);
     let has_options = runtime.petsc.has_options();
     let unknowns = problem.all.nodes.total * case.dim as u64;

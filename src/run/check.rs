@@ -37,12 +37,13 @@ pub fn check(path: &Path, overrides: &[String]) -> Result<String> {
 pub fn describe(case: &Case) -> Result<String> {
     let family = MeshFamily::new(case)?;
     let facts = family.facts();
+    let case = &case.clone().for_dimension(facts.dim)?;
     let unknowns = facts.nodes * case.dim as u64 + pressures(case, &facts);
     let choice = LinearChoice::new(case, &facts);
     let sides = Sides::choose(case, &facts);
     if facts.nodes <= MOST_NODES {
         let times = case.load_times();
-        let mesh = family.whole();
+        let mesh = family.whole()?;
         let prescribed = Prescribed::new(case);
         let largest = prescribed.largest_value(&mesh.nodes, &times);
         let checked = largest.and_then(|l| prescribed.check_agreement(&mesh.nodes, &times, l));
@@ -77,7 +78,7 @@ pub fn describe(case: &Case) -> Result<String> {
         let (name, law) = (&interface.name, interface.law.name());
         line(
             "interface",
-            format!("{name} at z = {} m: {law}, multipliers on the {secondary} side", interface.z),
+            format!("{name} {}: {law}, multipliers on the {secondary} side", interface.place()),
         )?;
     }
     for words in unresolved_zones(case, &facts, &sides) {

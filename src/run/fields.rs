@@ -2,17 +2,18 @@
 
 use std::path::Path;
 
+use super::interface_values::{InterfaceGrid, NodalValues};
+use crate::assembly::Discretization;
 use crate::bulk::PoroState;
-use crate::case::{BULK, Case};
+use crate::case::{BULK, Case, Surface};
 use crate::comm::Comm;
 use crate::element::Shape;
 use crate::error::Result;
 use crate::fault;
-use crate::mesh::axes;
 use crate::output::publisher::Publisher;
 use crate::output::series::{Fixed, Instant, Series};
 use crate::output::vtkhdf::{Array, Data, Grid, Values};
-use crate::solve::{Model, Problem};
+use crate::solve::Model;
 
 /// Writes the fields of every wanted instant.
 pub struct FieldWriter {
@@ -58,31 +59,26 @@ impl FieldWriter {
         let grids = self.grids.get_or_insert_with(|| {
             (0..case.interfaces.len()).map(|i| InterfaceGrid::new(comm, model, i)).collect()
         });
-        let tractions = NodalTractions::new(model, grids);
+        let values = NodalValues::new(model, grids);
         for (index, (series, side)) in self.interfaces.iter_mut().zip(&*grids).enumerate() {
-            let points: Vec<[f64; 3]> =
-                side.nodes.iter().map(|i| point(model, problem.all.secondary[*i].node)).collect();
-            let grid = Grid {
-                points: &points,
-                connectivity: &side.connectivity,
-                shapes: &vec![side.shape; side.connectivity.len() / side.shape.nodes()],
-            };
+            let points: Vec<[f64; 3]> = side.nodes.iter().map(|n| point(model, *n)).collect();
+            let grid =
+                Grid { points: &points, connectivity: &side.connectivity, shapes: &side.shapes };
             let state = &problem.interfaces;
-            let vectors = |of: &dyn Fn(usize) -> [f64; 3]| -> Vec<f64> {
-                side.nodes.iter().flat_map(|i| in_space(of(*i), case.dim)).collect()
+            let in_space = |vectors: Vec<[f64; 3]>| -> Vec<f64> {
+                vectors.into_iter().flat_map(|v| in_space(v, case.axes)).collect()
             };
-            let traction = vectors(&|i| tractions.at(problem.all.secondary[i].node));
-            let jump = vectors(&|i| state.response[i].jump);
+            let nodes = side.nodes.iter().copied();
+            let traction = in_space(nodes.clone().map(|n| values.traction(model, n)).collect());
+            let jump = in_space(nodes.clone().map(|n| values.jump(model, n)).collect());
             let law = state.laws[index].spec.law();
-            let damage: Vec<f64> =
-                side.nodes.iter().map(|i| law.damage(state.response[*i].history)).collect();
-            let branch: Vec<i32> =
-                side.nodes.iter().map(|i| state.response[*i].branch as i32).collect();
-            let names: Vec<i64> = side
-                .nodes
-                .iter()
-                .map(|i| problem.all.nodes.names[problem.all.secondary[*i].node as usize] as i64)
-                .collect();
+            let response = |n: u32| values.response(model, n);
+            let damage = |n: u32| response(n).map_or(0.0, |of| law.damage(of.history));
+            let damage: Vec<f64> = nodes.clone().map(damage).collect();
+            let branch = |n: u32| response(n).map_or(0, |of| of.branch as i32);
+            let branch: Vec<i32> = nodes.clone().map(branch).collect();
+            let names: Vec<i64> =
+                nodes.clone().map(|n| problem.all.nodes.names[n as usize] as i64).collect();
             let mut data = vec![
                 Array { name: "traction", components: 3, values: Values::F64(&traction) },
                 Array { name: "jump", components: 3, values: Values::F64(&jump) },
@@ -95,8 +91,13 @@ impl FieldWriter {
                 let values = Values::F64(pressure);
                 Array { name: "pressure", components: 1, values }
             }));
-            let known =
-                [Array { name: "global_node_id", components: 1, values: Values::I64(&names) }];
+            let normals = in_space(nodes.clone().map(|n| values.normal(model, n)).collect());
+            let mut known =
+                vec![Array { name: "global_node_id", components: 1, values: Values::I64(&names) }];
+            if case.mesh.file().is_some() {
+                let values = Values::F64(&normals);
+                known.push(Array { name: "normal", components: 3, values });
+            }
             let fixed = Fixed { grid: &grid, data: Data { points: &known, cells: &[] } };
             let data = Data { points: &data, cells: &[] };
             series.write(comm, publisher, instant, fixed, data)?;
@@ -113,12 +114,13 @@ impl FieldWriter {
         instant: Instant,
     ) -> Result<()> {
         let problem = &model.stepper.problem;
-        let (all, dim) = (&problem.all, case.dim);
-        let mesh = self.mesh.get_or_insert_with(|| BulkMesh::new(comm, model));
+        let (all, axes, dim) = (&problem.all, case.axes, case.dim);
+        let mesh = self.mesh.get_or_insert_with(|| BulkMesh::new(comm, case, model));
         let mut displacement = vec![0.0; 3 * all.nodes.owned];
-        let nodal = problem.displacement.chunks_exact(dim);
+        let all_displacements = all.frames.displacements(&problem.displacement);
+        let nodal = all_displacements.chunks_exact(dim);
         for (out, u) in displacement.chunks_exact_mut(3).zip(nodal) {
-            axes(dim).iter().zip(u).for_each(|(axis, u)| out[*axis] = *u);
+            axes.iter().zip(u).for_each(|(axis, u)| out[*axis] = *u);
         }
         fault::strike_values(comm, "fields", &mut displacement)?;
         let mut stress = Vec::with_capacity(6 * all.cells.len());
@@ -126,15 +128,19 @@ impl FieldWriter {
         for cell in 0..all.cells.len() {
             u.clear();
             for node in all.cells.nodes(cell) {
-                u.extend_from_slice(&problem.displacement[*node as usize * dim..][..dim]);
+                u.extend_from_slice(&all_displacements[*node as usize * dim..][..dim]);
             }
-            stress.extend(all.cells.stiffness(cell).stress(&u));
+            stress.extend(all.cells.stress(cell, &u));
         }
         let grid =
             Grid { points: &mesh.points, connectivity: &mesh.connectivity, shapes: &mesh.shapes };
         let array = |name, components, values| Array { name, components, values };
+        let mut of_points = vec![array("global_node_id", 1, Values::I64(&mesh.nodes))];
+        for (name, is_on) in &mesh.surfaces {
+            of_points.push(array(name.as_str(), 1, Values::I32(is_on)));
+        }
         let known = Data {
-            points: &[array("global_node_id", 1, Values::I64(&mesh.nodes))],
+            points: &of_points,
             cells: &[
                 array("material", 1, Values::I32(&mesh.material)),
                 array("rank", 1, Values::I32(&mesh.rank)),
@@ -195,7 +201,7 @@ impl PoreFields {
             for normal in &mut fields.total_stress[6 * cell..][..3] {
                 *normal -= biot * pressure;
             }
-            fields.flux[3 * cell..][..3].copy_from_slice(&in_space(flux, all.dim));
+            fields.flux[3 * cell..][..3].copy_from_slice(&in_space(flux, model.mesh.facts.axes));
             fields.porosity[cell] = porosity;
         }
         Some(fields)
@@ -203,13 +209,18 @@ impl PoreFields {
 }
 
 /// Pressure of the film at entries of `Discretization::secondary` (Pa), 0 where there is none.
-fn film_pressure(model: &Model<'_>, nodes: &[usize]) -> Vec<f64> {
-    let mut pressure = vec![0.0; model.stepper.problem.all.secondary.len()];
+fn film_pressure(model: &Model<'_>, nodes: &[u32]) -> Vec<f64> {
+    let all = &model.stepper.problem.all;
+    let mut pressure = vec![0.0; all.secondary.len()];
     let flow = model.stepper.coupling.as_ref().map(|coupling| &coupling.flow);
     for (index, value) in flow.iter().flat_map(|f| f.space.films.pressures(&f.pressure)) {
         pressure[index as usize] = value;
     }
-    nodes.iter().map(|index| pressure[*index]).collect()
+    let at = |node: &u32| {
+        let index = all.secondary_of[*node as usize];
+        index.map_or(0.0, |index| pressure[index as usize])
+    };
+    nodes.iter().map(at).collect()
 }
 
 fn point(model: &Model<'_>, node: u32) -> [f64; 3] {
@@ -217,9 +228,9 @@ fn point(model: &Model<'_>, node: u32) -> [f64; 3] {
 }
 
 /// Components to x, y, z.
-fn in_space(v: [f64; 3], dim: usize) -> [f64; 3] {
+fn in_space(v: [f64; 3], axes: &[usize]) -> [f64; 3] {
     let mut out = [0.0; 3];
-    axes(dim).iter().enumerate().for_each(|(c, axis)| out[*axis] = v[c]);
+    axes.iter().enumerate().for_each(|(c, axis)| out[*axis] = v[c]);
     out
 }
 
@@ -232,10 +243,12 @@ struct BulkMesh {
     cells: Vec<i64>,
     material: Vec<i32>,
     rank: Vec<i32>,
+    /// Of the mesh of a file: by surface whether a point lies on it.
+    surfaces: Vec<(String, Vec<i32>)>,
 }
 
 impl BulkMesh {
-    fn new(comm: &Comm, model: &Model<'_>) -> Self {
+    fn new(comm: &Comm, case: &Case, model: &Model<'_>) -> Self {
         let all = &model.stepper.problem.all;
         let number = |n: &u32| i64::from(all.nodes.numbers[*n as usize]);
         let shape = |p: &u32| model.mesh.prototypes[*p as usize].shape;
@@ -248,107 +261,21 @@ impl BulkMesh {
             cells: model.mesh.cells.iter().map(|c| *c as i64).collect(),
             material: model.mesh.cell_prototype.iter().map(material).collect(),
             rank: vec![comm.rank(); all.cells.len()],
+            surfaces: surfaces(case, all),
         }
     }
 }
 
-/// The facets of one interface: owned secondary nodes as points, facets of the rank's own cells.
-struct InterfaceGrid {
-    /// Indices into `Discretization::secondary`.
-    nodes: Vec<usize>,
-    /// Local nodes of each facet.
-    facets: Vec<Vec<u32>>,
-    connectivity: Vec<i64>,
-    shape: Shape,
-}
-
-impl InterfaceGrid {
-    fn new(comm: &Comm, model: &Model<'_>, interface: usize) -> Self {
-        let all = &model.stepper.problem.all;
-        let nodes: Vec<usize> = (0..all.owned_secondary())
-            .filter(|i| all.secondary[*i].interface == interface)
-            .collect();
-        let first = comm.exscan_u64(nodes.len() as u64);
-        // Rows are whole numbers far below 2^53.
-        let mut row = vec![0.0; all.nodes.len()];
-        for (i, index) in nodes.iter().enumerate() {
-            row[all.secondary[*index].node as usize] = (first + i as u64) as f64;
-        }
-        all.nodes.update_ghosts(&mut row, 1);
-        let facets = facets(model, interface);
-        let connectivity = facets.iter().flatten().map(|n| row[*n as usize] as i64).collect();
-        let order = model.sides[interface].secondary_facts(&model.mesh.facts).order;
-        let shape = Shape::of(all.dim - 1, order);
-        Self { nodes, facets, connectivity, shape }
+/// The surfaces of the mesh of a file, by name of the array, with whether each owned node lies
+/// there. Of a column they are where they look like.
+fn surfaces(case: &Case, all: &Discretization) -> Vec<(String, Vec<i32>)> {
+    if case.mesh.file().is_none() {
+        return Vec::new();
     }
-}
-
-/// Local nodes of the secondary facets of this rank's cells.
-fn facets(model: &Model<'_>, interface: usize) -> Vec<Vec<u32>> {
-    let (mesh, lip) = (&model.mesh, model.sides[interface].secondary);
-    let nodes = &model.stepper.problem.all.nodes;
-    let local = |node: u32| {
-        let name = mesh.nodes.names[node as usize];
-        nodes.local(name).expect("a node of the rank's own cell")
+    let is_on = |surface: &Surface| {
+        let (bit, owned) = (case.surface_bit(surface), &all.nodes.marks[..all.nodes.owned]);
+        let is_on = owned.iter().map(|marks| i32::from(marks.is_on(bit)));
+        (format!("surface_{}", surface.name()), is_on.collect())
     };
-    let facets = mesh.on_lip(interface, lip).iter().map(|facet| mesh.lip_nodes(lip, *facet).1);
-    facets.map(|nodes| nodes.into_iter().map(local).collect()).collect()
-}
-
-/// Tractions at nodes (Pa); where a component has no multiplier, the mean over its facets of the
-/// multipliers it was joined to.
-struct NodalTractions {
-    dim: usize,
-    /// Of the multipliers, at all local nodes.
-    traction: Vec<f64>,
-    /// Sums and counts over the facets of nodes without a multiplier.
-    joined: Vec<f64>,
-}
-
-impl NodalTractions {
-    /// Collective.
-    fn new(model: &Model<'_>, grids: &[InterfaceGrid]) -> Self {
-        let problem: &Problem<'_> = &model.stepper.problem;
-        let (all, dim) = (&problem.all, problem.all.dim);
-        let mut traction = vec![0.0; all.nodes.len() * dim];
-        for (rows, response) in all.secondary.iter().zip(&problem.interfaces.response) {
-            traction[rows.node as usize * dim..][..dim]
-                .copy_from_slice(&response.bulk_traction[..dim]);
-        }
-        all.nodes.update_ghosts(&mut traction, dim);
-        let has_row = |node: u32, c: usize| {
-            let index = all.secondary_of[node as usize];
-            index.is_some_and(|i| all.secondary[i as usize].rows[c].is_some())
-        };
-        let mut joined = vec![0.0; all.nodes.len() * 2 * dim];
-        for facet in grids.iter().flat_map(|grid| &grid.facets) {
-            for c in 0..dim {
-                let kept: Vec<f64> = facet
-                    .iter()
-                    .filter(|n| has_row(**n, c))
-                    .map(|n| traction[*n as usize * dim + c])
-                    .collect();
-                if kept.is_empty() {
-                    continue;
-                }
-                let mean = kept.iter().sum::<f64>() / kept.len() as f64;
-                for node in facet.iter().filter(|n| !has_row(**n, c)) {
-                    joined[*node as usize * 2 * dim + c] += mean;
-                    joined[*node as usize * 2 * dim + dim + c] += 1.0;
-                }
-            }
-        }
-        all.nodes.add_to_owners(&mut joined, 2 * dim);
-        Self { dim, traction, joined }
-    }
-
-    /// Local; complete at owned nodes.
-    fn at(&self, node: u32) -> [f64; 3] {
-        let (node, dim) = (node as usize, self.dim);
-        let value = |c: usize| {
-            let [sum, count] = [0, dim].map(|offset| self.joined[node * 2 * dim + offset + c]);
-            if count > 0.0 { sum / count } else { self.traction[node * dim + c] }
-        };
-        std::array::from_fn(|c| if c < dim { value(c) } else { 0.0 })
-    }
+    case.surfaces().iter().map(is_on).collect()
 }

@@ -1,16 +1,19 @@
 //! One row of `history.csv`: what is told of an accepted instant.
 
-use super::probes::Probe;
+use super::probes::LocatedProbe;
+use crate::assembly::Discretization;
 use crate::case::{Case, InterfaceQuantity};
 use crate::comm::Comm;
+use crate::interface::JumpRows;
 use crate::solve::{Accepted, FluidBalance, Model, reactions};
+use crate::space::tangents;
 
 /// The row of the instant that `model` has reached, in the order of `Case::columns`. Collective;
 /// complete on every rank.
 pub fn row(
     case: &Case,
     model: &Model<'_>,
-    probes: &[Probe],
+    probes: &[LocatedProbe],
     time: f64,
     accepted: &Accepted,
     comm: &Comm,
@@ -22,7 +25,7 @@ pub fn row(
     debug_assert_eq!(row.len(), FIRST_OF_INTERFACES);
     row.extend(interface_statistics(case, model, comm));
     let force = |node: usize, c: usize| problem.balance[node * case.dim + c];
-    let surfaces = case.supported_surfaces();
+    let surfaces = case.supported_bits();
     let mut sums = reactions(&problem.all, &surfaces, force);
     comm.sum(sums.as_flattened_mut());
     row.extend(sums.iter().flat_map(|sum| &sum[..case.dim]).map(|v| Some(*v)));
@@ -126,16 +129,64 @@ fn interface_statistics(case: &Case, model: &Model<'_>, comm: &Comm) -> Vec<Opti
         let [weighted, weight] = [sums[2 * i], sums[2 * i + 1]];
         *statistic = Statistic { least: least[i], most: most[i], weighted, weight };
     }
+    let totals = case.mesh.file().map(|_| totals(case, model, comm));
     let flow = model.stepper.coupling.as_ref().map(|coupling| &coupling.flow);
     let mut row = Vec::with_capacity(3 * least.len());
     for (number, own) in all.iter().enumerate() {
         row.extend(own.iter().flat_map(Statistic::columns));
+        row.extend(totals.iter().flat_map(|totals| &totals[number][..=case.dim]).map(|v| Some(*v)));
         if let Some(flow) = flow.filter(|_| case.has_flux(&case.interfaces[number])) {
             let rates = flow.into_sides[number];
-            row.extend(rates.map(|rate| Some(rate / case.mesh.section())));
+            row.extend(rates.map(|rate| Some(rate / case.mesh.column()?.section())));
         }
     }
     row
+}
+
+/// The component of a vector of the frame of a node that a column is made of, with its weight: the
+/// tangents of the surface, then the normal; none where a part of it has no multiplier. Local.
+fn along_surface(
+    all: &Discretization,
+    rows: &JumpRows<u32>,
+    values: [f64; 3],
+    c: usize,
+) -> Option<(f64, f64)> {
+    let (dim, rotation) = (all.dim, all.frames.rotation(rows.node));
+    if c + 1 == dim {
+        return rows.rows[c].as_ref().map(|row| (values[c], row.weight));
+    }
+    let tangent = tangents(dim, rotation[dim - 1])[c];
+    let (mut sum, mut weight, mut largest) = (0.0, 0.0, 0.0_f64);
+    for k in 0..dim - 1 {
+        let cosine: f64 = (0..dim).map(|i| rotation[k][i] * tangent[i]).sum();
+        if cosine.abs() < 1e-9 {
+            continue;
+        }
+        let row = rows.rows[k].as_ref()?;
+        sum += cosine * values[k];
+        if cosine.abs() > largest {
+            (weight, largest) = (row.weight, cosine.abs());
+        }
+    }
+    Some((sum, weight))
+}
+
+/// The force of the upper side of each interface on the lower one by component (N), then its area
+/// (m2). Collective.
+fn totals(case: &Case, model: &Model<'_>, comm: &Comm) -> Vec<[f64; 4]> {
+    let problem = &model.stepper.problem;
+    let (all, dim) = (&problem.all, case.dim);
+    let mut sums = vec![[0.0; 4]; case.interfaces.len()];
+    for (rows, response) in all.secondary.iter().zip(&problem.interfaces.response) {
+        let of = |c: usize| rows.rows[c].as_ref().map_or(0.0, |row| row.weight);
+        let force = std::array::from_fn(|c| of(c) * response.bulk_traction[c]);
+        let force = all.frames.turned_back(&all.frames.rotation(rows.node), force);
+        let sum = &mut sums[rows.interface];
+        sum.iter_mut().zip(&force[..dim]).for_each(|(sum, force)| *sum += force);
+        sum[dim] += if rows.has_multiplier() { rows.law_weight(dim) } else { 0.0 };
+    }
+    comm.sum(sums.as_flattened_mut());
+    sums
 }
 
 /// The quantities of each interface over the nodes of this rank. Local.
@@ -146,8 +197,13 @@ fn nodal_statistics(case: &Case, model: &Model<'_>) -> Vec<Vec<Statistic>> {
         quantities.iter().map(|own| vec![Statistic::NONE; own.len()]).collect();
     let state = &problem.interfaces;
     for (rows, response) in problem.all.secondary.iter().zip(&state.response) {
-        let of_component =
-            |values: [f64; 3], c: usize| rows.rows[c].as_ref().map(|row| (values[c], row.weight));
+        let is_of_file = case.mesh.file().is_some();
+        let of_component = |values: [f64; 3], c: usize| {
+            if is_of_file {
+                return along_surface(&problem.all, rows, values, c);
+            }
+            rows.rows[c].as_ref().map(|row| (values[c], row.weight))
+        };
         let own = all[rows.interface].iter_mut().zip(&quantities[rows.interface]);
         for (statistic, quantity) in own {
             let seen = match *quantity {

@@ -8,6 +8,7 @@ mod checkpoint;
 mod fields;
 mod from_code;
 mod history;
+mod interface_values;
 mod page;
 mod probes;
 mod reduced;
@@ -28,6 +29,7 @@ use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::fault;
 use crate::runtime::Runtime;
+use crate::scene::plot;
 use crate::study::{self, Request};
 use crate::timers::Timers;
 use carry_out::{Output, carry_out};
@@ -36,13 +38,15 @@ pub use check::describe;
 pub use from_code::Run;
 pub use screen::print_exit;
 
-/// Carries out a command; returns the exit status. `check`, `schema` and `study` need no MPI.
+/// Carries out a command; returns the exit status. All but `run` need no MPI.
 ///
 /// Collective for `run`: the same on every rank.
 pub fn execute(command: &Command) -> u8 {
     let answer = match command {
         Command::Schema => Ok(check::schema()),
         Command::Check(options) => check::check(&options.case, &options.overrides),
+        Command::Plot(request) => plot::plot(request)
+            .map(|[drawing, image]| format!("{}\n{}", drawing.display(), image.display())),
         Command::Run(options) => return run(options),
         Command::Study(request) => return study(request),
     };

@@ -8,6 +8,7 @@ use crate::output::atomic;
 use crate::output::history::Table;
 use crate::page::{Run, page};
 use crate::report::Report;
+use crate::results::Directory;
 
 /// Draws and writes the page; complete or absent under its name. Local; rank 0 does it.
 ///
@@ -22,6 +23,8 @@ pub fn write(
 ) -> Result<()> {
     let report =
         serde_json::to_value(report).map_err(|cause| Error::Bug(format!("page: {cause}")))?;
-    let run = Run { report: &report, history, case, warnings };
+    let directory = path.parent().and_then(|parent| Directory::open(parent).ok());
+    let directory = directory.as_ref();
+    let run = Run { report: &report, history, case, directory, warnings };
     atomic::write_text(path, &page(&run)?)
 }

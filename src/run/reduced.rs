@@ -83,7 +83,7 @@ fn instants(
     let choice = LinearChoice::new(narrow, &mesh.facts);
     let small = BoundaryValueProblem::new(comm, narrow, mesh)?;
     let mut model = solve::build(alone, timers, narrow, choice, small, Vec::new())?;
-    let probes = probes::locate(narrow, &model.mesh);
+    let probes = probes::locate(comm, narrow, &model.mesh)?;
     let (mut states, mut rows) = (Vec::new(), Vec::new());
     for time in &narrow.time {
         let accepted = loop {

@@ -150,9 +150,9 @@ pub fn describe(comm: &Comm, case: &Case, model: &Model<'_>, reduction: &Reducti
     for (interface, side) in case.interfaces.iter().zip(&model.sides) {
         let secondary = side.secondary.name();
         tracing::info!(
-            "interface  {} at z = {} m: {}, multipliers on the {secondary} side",
+            "interface  {} {}: {}, multipliers on the {secondary} side",
             interface.name,
-            interface.z,
+            interface.place(),
             interface.law.name()
         );
     }

@@ -117,7 +117,7 @@ impl<'a> Session<'a> {
     }
 
     fn instants(&mut self, model: &mut Model<'_>) -> Result<()> {
-        let probes = probes::locate(self.case, &model.mesh);
+        let probes = probes::locate(self.comm, self.case, &model.mesh)?;
         let names: Vec<String> = self.case.interfaces.iter().map(|i| i.name.clone()).collect();
         tracing::info!("{}", tables::instant_header(&names));
         let progress = screen::Progress::new(self.comm.is_root(), self.case.time.len());

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::history;
-use super::probes::Probe;
+use super::probes::LocatedProbe;
 use super::reduced::{Reduced, serves};
 use crate::case::Case;
 use crate::comm::Comm;
@@ -116,7 +116,7 @@ impl Solution {
         comm: &Comm,
         case: &Case,
         model: &Model<'_>,
-        probes: &[Probe],
+        probes: &[LocatedProbe],
         number: usize,
         accepted: &Accepted,
     ) -> Vec<Option<f64>> {

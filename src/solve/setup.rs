@@ -8,6 +8,7 @@ use super::flow::pressures::Displacements;
 use super::flow::setup::{MECHANICS, Mechanics, couple, known_pressure};
 use super::model::interfaces::{InterfaceState, JointLaw};
 use super::model::linear::{LinearChoice, LinearTarget, MULTIGRID};
+use super::model::near_null_space::rigid_motions;
 use super::model::{BoundaryValueProblem, discretize, strength_factors};
 use super::problem::convergence::Convergence;
 use super::problem::path::PathControl;
@@ -20,7 +21,7 @@ use crate::comm::Comm;
 use crate::error::Result;
 use crate::fault;
 use crate::interface::Sides;
-use crate::mesh::{LocalMesh, MeshFacts, axes};
+use crate::mesh::{LocalMesh, MeshFacts};
 use crate::multigrid::{Hierarchy, Level};
 use crate::petsc::{KspSetup, LinearOperator, Matrix, Snes, Vector};
 use crate::runtime::Runtime;
@@ -55,7 +56,7 @@ pub fn build<'a>(
     coarser: Vec<LocalMesh>,
 ) -> Result<Model<'a>> {
     let comm = &runtime.comm;
-    let BoundaryValueProblem { mesh, all, sides, prescribed, loads } = problem;
+    let BoundaryValueProblem { mesh, all, sides, supports, loads } = problem;
     let dim = case.dim;
     let unknowns = all.nodes.total * dim as u64;
     let interfaces = interfaces(comm, case, &mesh, &sides, &all)?;
@@ -101,7 +102,7 @@ pub fn build<'a>(
         |control: &Control| PathControl::new(control.clone(), control.words(&case.interfaces));
     problem.known_pressure = known_pressure;
     problem.path = case.control.as_ref().map(path);
-    let stepper = Stepper::new(case, problem, snes, saddle, coupling, x, prescribed);
+    let stepper = Stepper::new(case, problem, snes, saddle, coupling, x, supports);
     let pressures = stepper.coupling.as_ref().map_or(0, |c| c.flow.space.nodes.total);
     Ok(Model { stepper, mesh, sides, choice, unknowns: unknowns + pressures })
 }
@@ -251,7 +252,11 @@ fn system(
     let rows = own.len() * dim;
     let mut matrix = Matrix::new(petsc, rows, dim, &own, &other)?;
     if choice.preset == "gamg" {
-        set_rigid_motions(runtime, all, &mut matrix)?;
+        if comm.any(!all.frames.is_empty()) {
+            set_motions_in_frames(runtime, case.axes, all, &mut matrix)?;
+        } else {
+            set_rigid_motions(runtime, case.axes, all, &mut matrix)?;
+        }
     }
     let form = TangentForm::Assembled(Tangent::new(all, pattern, diagonal));
     let snes = Snes::new(petsc, prefix, matrix, &setup)?;
@@ -268,13 +273,34 @@ fn joint_laws(case: &Case, mesh: &LocalMesh, sides: &[Sides]) -> Vec<JointLaw> {
     case.interfaces.iter().zip(sides).map(law).collect()
 }
 
+/// Gives smoothed aggregation the rigid-body motions where nodes have frames of their own.
+fn set_motions_in_frames(
+    runtime: &Runtime,
+    axes: &[usize],
+    all: &Discretization,
+    matrix: &mut Matrix,
+) -> Result<()> {
+    let motion = |values: Vec<f64>| {
+        let mut vector = Vector::new(&runtime.petsc, values.len(), all.dim)?;
+        vector.write()?.copy_from_slice(&values);
+        Ok(vector)
+    };
+    let motions = rigid_motions(&runtime.comm, axes, all).into_iter().map(motion);
+    matrix.set_near_null_space(&motions.collect::<Result<Vec<_>>>()?)
+}
+
 /// Gives smoothed aggregation the rigid-body motions.
-fn set_rigid_motions(runtime: &Runtime, all: &Discretization, matrix: &mut Matrix) -> Result<()> {
+fn set_rigid_motions(
+    runtime: &Runtime,
+    axes: &[usize],
+    all: &Discretization,
+    matrix: &mut Matrix,
+) -> Result<()> {
     let mut coordinates = Vector::new(&runtime.petsc, all.nodes.owned * all.dim, all.dim)?;
     {
         let mut values = coordinates.write()?;
         for (node, point) in all.nodes.points[..all.nodes.owned].iter().enumerate() {
-            for (c, axis) in axes(all.dim).iter().enumerate() {
+            for (c, axis) in axes.iter().enumerate() {
                 values[node * all.dim + c] = point[*axis];
             }
         }

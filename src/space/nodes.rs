@@ -84,17 +84,18 @@ impl Nodes {
 
     /// Takes positions and marks of the owned nodes, and gets those of the ghosts. Collective.
     fn place(&mut self, places: &Places) {
-        const WIDTH: usize = 4;
+        const WIDTH: usize = 3 + Marks::PACKED;
         let mut values = vec![0.0; self.len() * WIDTH];
         for (name, values) in self.names[..self.owned].iter().zip(values.chunks_exact_mut(WIDTH)) {
             let at = places.number(*name).expect("an owned node is one of the rank's cells");
             values[..3].copy_from_slice(&places.points[at]);
-            values[3] = places.marks[at].packed();
+            values[3..].copy_from_slice(&places.marks[at].packed());
         }
         self.update_ghosts(&mut values, WIDTH);
-        let nodes = values.chunks_exact(WIDTH);
-        self.points = nodes.clone().map(|v| [v[0], v[1], v[2]]).collect();
-        self.marks = nodes.map(|v| Marks::unpacked(v[3])).collect();
+        let (nodes, _) = values.as_chunks::<WIDTH>();
+        self.points = nodes.iter().map(|v| [v[0], v[1], v[2]]).collect();
+        let marks = |[_, _, _, marks @ ..]: &[f64; WIDTH]| Marks::unpacked(*marks);
+        self.marks = nodes.iter().map(marks).collect();
     }
 
     /// Ranks whose nodes this rank holds, or that hold its nodes.

@@ -1,35 +1,60 @@
 //! Prescribed displacements: which components of a node, and their values in time.
 
-use crate::case::{BoundarySpec, Case};
+use crate::case::{BoundarySpec, Case, SurfaceBit, Value};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
-use crate::mesh::{Marks, Places, axes};
+use crate::mesh::{Marks, Places};
 
 /// The prescribed displacements of a case.
 #[derive(Debug, Clone)]
 pub struct Prescribed {
-    dim: usize,
-    /// With their numbers in the case.
-    entries: Vec<(usize, BoundarySpec)>,
+    /// The axes of the components.
+    axes: &'static [usize],
+    entries: Vec<Entry>,
+}
+
+/// An entry of the case that prescribes a displacement.
+#[derive(Debug, Clone)]
+struct Entry {
+    /// Its number in the case.
+    number: usize,
+    on: SurfaceBit,
+    spec: BoundarySpec,
+}
+
+/// A displacement that an entry prescribes along a direction at a node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Given {
+    /// The entry, by its index among those that prescribe displacements.
+    pub entry: usize,
+    /// The coordinate axis; none along the normal of the surface.
+    pub axis: Option<usize>,
+    /// The unit vector, by components of the displacement.
+    pub direction: [f64; 3],
 }
 
 impl Prescribed {
     /// From the boundary entries that prescribe a displacement.
     pub fn new(case: &Case) -> Self {
-        let prescribes = |b: &BoundarySpec| b.displacement.iter().any(Option::is_some);
-        let entries = case.boundary.iter().cloned().enumerate();
-        Self { dim: case.dim, entries: entries.filter(|(_, b)| prescribes(b)).collect() }
+        let entries = case.boundary.iter().enumerate();
+        let entries = entries.filter(|(_, spec)| spec.prescribes_displacement());
+        let entry = |(number, spec): (usize, &BoundarySpec)| Entry {
+            number,
+            on: case.surface_bit(&spec.on),
+            spec: spec.clone(),
+        };
+        Self { axes: case.axes, entries: entries.map(entry).collect() }
     }
 
     /// The entry that prescribes each component of a node: the first of those that do, by its
     /// index among the entries that prescribe displacements.
     pub fn entries_of(&self, node: &Marks) -> [Option<usize>; 3] {
         let mut of = [None; 3];
-        for (component, axis) in axes(self.dim).iter().enumerate() {
+        for (component, axis) in self.axes.iter().enumerate() {
             of[component] = self
                 .entries
                 .iter()
-                .position(|(_, e)| e.displacement[*axis].is_some() && node.is_on(e.on));
+                .position(|e| e.spec.displacement[*axis].is_some() && node.is_on(e.on));
         }
         of
     }
@@ -39,9 +64,53 @@ impl Prescribed {
         self.entries_of(node).map(|e| e.is_some())
     }
 
+    /// Everything that is prescribed at a node, in the order of the entries; `normals` gives those
+    /// of a surface there, by its place in the list of the case.
+    pub fn given_at(&self, node: &Marks, normals: impl Fn(usize) -> Vec<[f64; 3]>) -> Vec<Given> {
+        let mut given = Vec::new();
+        let entries = self.entries.iter().enumerate();
+        for (entry, of) in entries.filter(|(_, of)| node.is_on(of.on)) {
+            for (component, axis) in self.axes.iter().enumerate() {
+                if of.spec.displacement[*axis].is_some() {
+                    let along = |c: usize| f64::from(u8::from(c == component));
+                    let direction = std::array::from_fn(along);
+                    given.push(Given { entry, axis: Some(*axis), direction });
+                }
+            }
+            if let (Some(_), SurfaceBit::Place(place)) = (&of.spec.normal_displacement, of.on) {
+                let along = |direction| Given { entry, axis: None, direction };
+                given.extend(normals(place).into_iter().map(along));
+            }
+        }
+        given
+    }
+
+    /// Whether a node lies on the surface of an entry.
+    pub fn is_on(&self, entry: usize, node: &Marks) -> bool {
+        node.is_on(self.entries[entry].on)
+    }
+
+    /// The value of what is given at a point (m).
+    ///
+    /// # Errors
+    /// `Input` when a formula gives no finite number there.
+    pub fn value_of(&self, given: &Given, point: [f64; 3], time: f64) -> Result<f64> {
+        let Some(axis) = given.axis else {
+            let spec = &self.entries[given.entry].spec;
+            return self.finite(
+                given.entry,
+                spec.normal_displacement.as_ref(),
+                "normal",
+                point,
+                time,
+            );
+        };
+        self.value_along(given.entry, axis, point, time)
+    }
+
     /// Name of the surface of an entry.
-    pub fn surface(&self, entry: usize) -> &'static str {
-        self.entries[entry].1.on.name()
+    pub fn surface(&self, entry: usize) -> &str {
+        self.entries[entry].spec.on.name()
     }
 
     /// The value of a prescribed component at a point (m).
@@ -49,21 +118,32 @@ impl Prescribed {
     /// # Errors
     /// `Input` when a formula gives no finite number there.
     pub fn value(&self, entry: usize, component: usize, point: [f64; 3], time: f64) -> Result<f64> {
-        self.value_along(entry, axes(self.dim)[component], point, time)
+        self.value_along(entry, self.axes[component], point, time)
     }
 
     fn value_along(&self, entry: usize, axis: usize, point: [f64; 3], time: f64) -> Result<f64> {
-        let displacement = &self.entries[entry].1.displacement[axis];
-        let value = displacement.as_ref().map_or(0.0, |v| v.at(point, time));
+        let displacement = self.entries[entry].spec.displacement[axis].as_ref();
+        self.finite(entry, displacement, ["x", "y", "z"][axis], point, time)
+    }
+
+    /// The value of a displacement of an entry, along what is called `name`.
+    fn finite(
+        &self,
+        entry: usize,
+        displacement: Option<&Value>,
+        name: &str,
+        point: [f64; 3],
+        time: f64,
+    ) -> Result<f64> {
+        let value = displacement.map_or(0.0, |v| v.at(point, time));
         if value.is_finite() {
             return Ok(value);
         }
         let [x, y, z] = point;
         Err(Error::Input(format!(
-            "{}: displacement.{} is {value} at ({x}, {y}, {z}) m at time {time}; the formula must \
-             give finite numbers on the whole surface at every instant",
+            "{}: displacement.{name} is {value} at ({x}, {y}, {z}) m at time {time}; the formula \
+             must give finite numbers on the whole surface at every instant",
             self.name(entry),
-            ["x", "y", "z"][axis],
         )))
     }
 
@@ -125,11 +205,10 @@ impl Prescribed {
 
     /// Every entry and axis that prescribe something at a node.
     fn all_of(&self, node: &Marks) -> Vec<(usize, usize)> {
-        let on = |e: &BoundarySpec| node.is_on(e.on);
-        let entries = self.entries.iter().enumerate().filter(|(_, (_, e))| on(e));
+        let entries = self.entries.iter().enumerate().filter(|(_, e)| node.is_on(e.on));
         entries
-            .flat_map(|(index, (_, e))| {
-                let given = axes(self.dim).iter().filter(|a| e.displacement[**a].is_some());
+            .flat_map(|(index, e)| {
+                let given = self.axes.iter().filter(|a| e.spec.displacement[**a].is_some());
                 given.map(move |axis| (index, *axis))
             })
             .collect()
@@ -154,8 +233,8 @@ impl Prescribed {
     }
 
     /// An entry as the case file and the user call it.
-    fn name(&self, entry: usize) -> String {
-        let (number, spec) = &self.entries[entry];
+    pub(super) fn name(&self, entry: usize) -> String {
+        let Entry { number, spec, .. } = &self.entries[entry];
         format!("boundary.{number} ({})", spec.on.name())
     }
 }

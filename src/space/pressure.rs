@@ -1,7 +1,7 @@
 //! Prescribed pore pressures: of which nodes, and their values in time.
 
 use super::AtNode;
-use crate::case::{Case, Surface, Value};
+use crate::case::{Case, SurfaceBit, Value};
 use crate::error::{Error, Result};
 use crate::mesh::{Lip, Marks};
 
@@ -9,7 +9,7 @@ use crate::mesh::{Lip, Marks};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Place {
     /// The nodes of a surface, or all.
-    Surface(Surface),
+    Surface(SurfaceBit),
     /// Both lips of an interface, by its index.
     Lips(usize),
 }
@@ -36,7 +36,8 @@ impl PrescribedPressure {
         for (number, entry) in case.boundary.iter().enumerate() {
             if let Some(pressure) = &entry.pressure {
                 let name = format!("boundary.{number} ({}): pressure", entry.on.name());
-                entries.push((name, Place::Surface(entry.on), pressure.clone()));
+                let place = Place::Surface(case.surface_bit(&entry.on));
+                entries.push((name, place, pressure.clone()));
             }
         }
         let feeding = (0..case.interfaces.len()).filter(|i| case.has_flux(&case.interfaces[*i]));

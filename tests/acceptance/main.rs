@@ -3,6 +3,8 @@
 #[path = "../common/mod.rs"]
 #[allow(dead_code)] // this program uses a part of it
 mod common;
+mod any_interface;
+mod any_mesh;
 mod branches;
 mod diffusion;
 mod energy;

@@ -54,11 +54,11 @@ fn a_run_repeated_on_the_same_ranks_gives_the_same_bits() {
         .set("mesh.column.cells=[8, 8, 24]")
         .set("time.instants=[2, 5]")
         .set(&format!("solver.petsc_options={COARSEST_ALONE}"));
-    for ranks in [1, 2, 3] {
+    for ranks in [2, 3] {
         assert_same_bits(&scene.set("solver.linear=hypre"), ranks);
         assert_same_bits(&alone, ranks);
-        assert_same_bits(&levels, ranks);
     }
+    assert_same_bits(&levels, 3);
 }
 
 /// MUMPS adds what comes from several ranks in the order in which it comes, also on the coarsest
@@ -67,7 +67,7 @@ fn a_run_repeated_on_the_same_ranks_gives_the_same_bits() {
 fn a_run_repeated_with_elimination_on_several_ranks_differs_by_rounding() {
     for (solver, tolerance) in [("mumps", 1e-11), ("gamg", 1e-9), ("multigrid", 1e-9)] {
         let scene = tilting().set(&format!("solver.linear={solver}"));
-        let scene = scene.set("mesh.column.cells=[8, 8, 24]").set("time.instants=[2, 5]");
+        let scene = scene.set("mesh.column.cells=[6, 6, 18]").set("time.instants=[2, 5]");
         let [one, other] = twice(&scene, 3);
         eprintln!("{} differs by {:e}", one.label, one.difference(&other));
         one.assert_same(&other, tolerance);

@@ -60,10 +60,11 @@ fn every_shipped_case_stopped_after_its_first_instant() {
         let broken = scene.stopped(before, &fault, after);
         assert_eq!(whole.table.rows.len(), broken.table.rows.len(), "{label}");
         let stress = whole.largest(Kind::Traction).max(whole.largest(Kind::Pressure));
+        let column = case.mesh.column().expect("a column");
         let stiffness = case.materials.iter().map(|m| m.young_modulus).fold(0.0, f64::max);
         let difference = whole.difference_above(&broken, |kind| match kind {
-            Kind::Reaction => stress * case.mesh.section(),
-            Kind::Length => stress / stiffness * case.mesh.height(),
+            Kind::Reaction => stress * column.section(),
+            Kind::Length => stress / stiffness * column.height(),
             Kind::Damage => 1.0,
             // Of what flows in and out; that into the rock may be a small part.
             Kind::Flux => whole.largest(Kind::Mass) / (times[times.len() - 1] - case.start),

@@ -22,7 +22,7 @@ impl PoreSpace {
     pub fn matrix(&self, comm: &Comm, petsc: &crate::petsc::Petsc) -> Result<Matrix> {
         let mut lists: Vec<Vec<i32>> = vec![Vec::new(); self.nodes.len()];
         for cell in &self.cells {
-            let held = cell.nodes[..self.corners()].iter().flat_map(|n| self.unknowns(*n));
+            let held = cell.corners().iter().flat_map(|n| self.unknowns(*n));
             let held: Vec<u32> = held.map(|(node, _)| node).collect();
             for row in &held {
                 lists[*row as usize].extend(held.iter().map(|n| self.nodes.numbers[*n as usize]));
@@ -63,7 +63,7 @@ impl PoreSpace {
         let like: Vec<Vec<f64>> = like.map(|m| m.iter().map(|v| factor * v).collect()).collect();
         let mut fill = || {
             for cell in &self.cells {
-                self.add(&cell.nodes[..self.corners()], &like[cell.prototype as usize], matrix)?;
+                self.add(cell.corners(), &like[cell.prototype as usize], matrix)?;
             }
             for PressureBlock { nodes, values } in blocks {
                 let values: Vec<f64> = values.iter().map(|v| factor * v).collect();

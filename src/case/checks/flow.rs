@@ -302,7 +302,7 @@ impl Checker<'_> {
     /// Gravity acts on the density of the saturated medium.
     fn gravity(&mut self, file: &CaseFile, materials: &[Material]) {
         let Some(gravity) = &file.gravity else { return };
-        if gravity.len() != self.dim && self.sound(&["mesh"]) {
+        if gravity.len() != self.dim && self.knows_dimension && self.sound(&["mesh"]) {
             let reason = format!("must have {} entries, got {}", self.dim, gravity.len());
             self.add("gravity", reason);
         }

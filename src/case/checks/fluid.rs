@@ -3,7 +3,7 @@
 use super::checker::Checker;
 use crate::case::sections::quantity::FluidSection;
 use crate::case::sections::{FilmSpec, Material};
-use crate::case::{InterfaceSpec, MeshSpec};
+use crate::case::{ColumnSpec, InterfaceSpec};
 use crate::error::number_text;
 
 impl Checker<'_> {
@@ -37,26 +37,21 @@ impl Checker<'_> {
     /// Where fluid flows along an interface it also flows into both sides.
     pub(super) fn films(
         &mut self,
-        mesh: &MeshSpec,
+        column: &ColumnSpec,
         materials: &[Material],
         interfaces: &[InterfaceSpec],
     ) {
-        if !self.sound(&["mesh", "materials", "interfaces"]) {
-            return;
-        }
         let at = |z: f64| {
             let is_there = |m: &&Material| m.z.is_none_or(|[low, high]| low <= z && z < high);
             materials.iter().find(is_there)
         };
         let mut fluid: Option<(&str, f64)> = None;
         for (index, interface) in interfaces.iter().enumerate() {
-            if interface.film.is_none() {
-                continue;
-            }
+            let Some(z) = interface.height().filter(|_| interface.film.is_some()) else { continue };
             let path = format!("interfaces.{index}.fluid");
             let ends = materials.iter().filter_map(|m| m.z).flatten();
-            let below = ends.filter(|z| *z < interface.z).fold(0.0, f64::max);
-            let beside = [at(0.5 * (below + interface.z)), at(interface.z.min(mesh.height()))];
+            let below = ends.filter(|end| *end < z).fold(0.0, f64::max);
+            let beside = [at(0.5 * (below + z)), at(z.min(column.height()))];
             for material in beside.into_iter().flatten() {
                 let Some(porous) = &material.porous else {
                     let reason = format!(

@@ -1,13 +1,15 @@
-//! Checks of what acts on the column: values, boundary, body force.
+//! Checks of what acts on the mesh: values, boundary, body force.
 
 use super::checker::Checker;
-use crate::case::sections::file::{CaseFile, Components};
+use super::results::TOTAL;
+use crate::case::sections::file::{BoundarySection, CaseFile, Components};
 use crate::case::sections::quantity::Quantity;
 use crate::case::sections::{BoundarySpec, Surface};
 use crate::error::number_text;
+use crate::input::problems::{shortened, suggestion};
 use crate::input::{Formula, Value};
 
-const AXES: [&str; 3] = ["x", "y", "z"];
+const AXES: [&str; 4] = ["x", "y", "z", "normal"];
 
 impl Checker<'_> {
     /// A value, with its table or formula checked.
@@ -29,7 +31,7 @@ impl Checker<'_> {
             }
             Quantity::Formula(section) => match Formula::parse(&section.formula) {
                 Ok(formula) => {
-                    if self.dim == 2 && formula.uses_y() && self.sound(&["mesh"]) {
+                    if !self.is_of_file && self.lacks(1) && formula.uses_y() {
                         self.add(&format!("{path}.formula"), "uses y, which 2D does not have");
                     }
                     Value::Formula(formula)
@@ -46,18 +48,16 @@ impl Checker<'_> {
         let mut entries = Vec::new();
         for (index, section) in file.boundary.iter().enumerate() {
             let path = format!("boundary.{index}");
-            let on = section.on;
-            let displacement =
-                self.components(&format!("{path}.displacement"), &section.displacement);
-            let traction = self.components(&format!("{path}.traction"), &section.traction);
+            let on = self.surface(&format!("{path}.on"), section);
+            let mut vector =
+                |key: &str, of: &Components| self.vector(&format!("{path}.{key}"), of, &on);
+            let (displacement, normal_displacement) = vector("displacement", &section.displacement);
+            let (traction, normal_traction) = vector("traction", &section.traction);
             let mut value = |key: &str, quantity: &Option<Quantity>| {
                 quantity.as_ref().map(|quantity| self.value(&format!("{path}.{key}"), quantity))
             };
             let pressure = value("pressure", &section.pressure);
             let flux = value("flux", &section.flux);
-            if self.dim == 2 && self.sound(&["mesh"]) && on.axis().is_some_and(|(a, _)| a == 1) {
-                self.add(&format!("{path}.on"), format!("`{}` does not exist in 2D", on.name()));
-            }
             let mechanical = !section.displacement.is_empty() || !section.traction.is_empty();
             if on == Surface::All && mechanical {
                 self.add(&path, "is on `all`, which can carry a pressure only");
@@ -68,22 +68,100 @@ impl Checker<'_> {
             } else if !mechanical && pressure.is_none() && flux.is_none() {
                 self.add(&path, "prescribes nothing; give displacement, traction or pressure");
             }
-            entries.push(BoundarySpec { on, displacement, traction, pressure, flux });
+            entries.push(BoundarySpec {
+                on,
+                displacement,
+                normal_displacement,
+                traction,
+                normal_traction,
+                pressure,
+                flux,
+            });
         }
         entries
     }
 
-    fn components(&mut self, path: &str, components: &Components) -> [Option<Value>; 3] {
-        if self.dim == 2 && components.y.is_some() && self.sound(&["mesh"]) {
-            self.add(&format!("{path}.y"), "does not exist in 2D");
+    /// The surfaces that nodes are marked with: the sides of a column, or each group of a file on
+    /// which something is prescribed.
+    pub(super) fn surfaces(&self, boundary: &[BoundarySpec]) -> Vec<Surface> {
+        if !self.is_of_file {
+            return Surface::COLUMN.to_vec();
         }
+        let mut surfaces: Vec<Surface> = Vec::new();
+        for entry in boundary {
+            if entry.on != Surface::All && !surfaces.contains(&entry.on) {
+                surfaces.push(entry.on.clone());
+            }
+        }
+        surfaces
+    }
+
+    /// A column has six sides and no groups, a file has groups only, whatever their names.
+    fn surface(&mut self, path: &str, section: &BoundarySection) -> Surface {
+        let (on, name) = (&section.on, section.on.name());
+        if self.is_of_file && *on != Surface::All {
+            if name.is_empty() {
+                self.add(path, "is empty; it must name a group of the mesh file, or be all");
+            } else if name == TOTAL && !section.displacement.is_empty() {
+                let reason = format!(
+                    "cannot be `{TOTAL}` where a displacement is prescribed: {TOTAL}.reaction_x is \
+                     the sum over all surfaces; rename the group"
+                );
+                self.add(path, reason);
+            }
+            return Surface::Group(name.to_owned());
+        }
+        if matches!(on, Surface::Group(_)) && self.sound(&["mesh"]) {
+            let sides = Surface::COLUMN.iter().chain([&Surface::All]);
+            let known: Vec<String> = sides.map(|side| side.name().to_owned()).collect();
+            self.add(path, format!("cannot be `{}`{}", shortened(name), suggestion(name, &known)));
+            self.broken.insert("boundary".to_owned());
+        }
+        if on.axis().is_some_and(|(axis, _)| self.lacks(axis)) {
+            self.add(path, format!("`{name}` {}", self.lack()));
+        }
+        on.clone()
+    }
+
+    /// Components along the axes, and along the normal where that is none of them.
+    fn vector(
+        &mut self,
+        path: &str,
+        components: &Components,
+        on: &Surface,
+    ) -> ([Option<Value>; 3], Option<Value>) {
+        let mut vector = self.components(path, components);
+        let path = format!("{path}.normal");
+        let normal = components.normal.as_ref().map(|normal| self.value(&path, normal));
+        let (Some(value), Some((axis, is_far))) = (&normal, on.axis()) else {
+            return (vector, normal);
+        };
+        if vector[axis].is_some() {
+            let (name, axis) = (on.name(), AXES[axis]);
+            let reason =
+                format!("is along {axis} on `{name}`, where {axis} is given too; give one");
+            self.add(&path, reason);
+        }
+        vector[axis] = Some(if is_far { value.clone() } else { value.negated() });
+        (vector, None)
+    }
+
+    fn components(&mut self, path: &str, components: &Components) -> [Option<Value>; 3] {
         let parts = [&components.x, &components.y, &components.z];
         std::array::from_fn(|axis| {
-            parts[axis].as_ref().map(|part| self.value(&format!("{path}.{}", AXES[axis]), part))
+            let (part, path) = (parts[axis].as_ref()?, format!("{path}.{}", AXES[axis]));
+            if self.lacks(axis) {
+                let lack = self.lack();
+                self.add(&path, lack);
+            }
+            Some(self.value(&path, part))
         })
     }
 
     pub(super) fn body_force(&mut self, file: &CaseFile) -> [Value; 3] {
+        if file.body_force.normal.is_some() {
+            self.add("body_force.normal", "acts inside the cells, where there is no normal");
+        }
         self.components("body_force", &file.body_force)
             .map(|part| part.unwrap_or(Value::Constant(0.0)))
     }
@@ -91,16 +169,18 @@ impl Checker<'_> {
     /// Prescribed displacements that cannot agree: values that are the same everywhere on
     /// surfaces that share nodes. Values that vary in space are compared node by node later.
     pub(super) fn agreement(&mut self, boundary: &[BoundarySpec], instants: &[f64]) {
-        let meet = |a: Surface, b: Surface| match (a.axis(), b.axis()) {
+        let meet = |a: &Surface, b: &Surface| match (a.axis(), b.axis()) {
             (Some((one, _)), Some((other, _))) => a == b || one != other,
-            _ => false,
+            // Groups may meet others in ways that only the mesh knows.
+            _ => a == b && *a != Surface::All,
         };
         // Each value once at each instant, where it is the same in space.
-        let values: Vec<[Option<Vec<f64>>; 3]> = boundary
+        let values: Vec<[Option<Vec<f64>>; 4]> = boundary
             .iter()
             .map(|entry| {
-                [0, 1, 2].map(|axis| {
-                    let value = entry.displacement[axis].as_ref()?;
+                let [x, y, z] = &entry.displacement;
+                [x, y, z, &entry.normal_displacement].map(|value| {
+                    let value = value.as_ref()?;
                     let at = |time: &f64| value.at([0.0; 3], *time);
                     (!value.varies_in_space()).then(|| instants.iter().map(at).collect())
                 })
@@ -108,7 +188,7 @@ impl Checker<'_> {
             .collect();
         for (index, entry) in boundary.iter().enumerate() {
             for (earlier, other) in boundary[..index].iter().enumerate() {
-                if !meet(entry.on, other.on) {
+                if !meet(&entry.on, &other.on) {
                     continue;
                 }
                 for (axis, name) in AXES.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Horizontal planes: interfaces, ends of materials and cells must leave room between them.
 
 use super::checker::Checker;
-use crate::case::{Cells, InterfaceSpec, Material, MeshSpec};
+use crate::case::{Cells, ColumnSpec, InterfaceSpec, Material};
 use crate::error::number_text;
 
 /// Horizontal planes closer than this part of the height are one.
@@ -71,10 +71,10 @@ impl Checker<'_> {
     }
 
     /// Refuses bodies whose own cells would be thinner than planes are told apart.
-    pub(super) fn thickness(&mut self, mesh: &MeshSpec, interfaces: &[InterfaceSpec]) {
-        let Cells::Bodies(bodies) = &mesh.cells else { return };
-        let closest = CLOSEST_PLANES * mesh.height();
-        let ends = interfaces.iter().map(|interface| interface.z).chain([mesh.height()]);
+    pub(super) fn thickness(&mut self, column: &ColumnSpec, interfaces: &[InterfaceSpec]) {
+        let Cells::Bodies(bodies) = &column.cells else { return };
+        let closest = CLOSEST_PLANES * column.height();
+        let ends = interfaces.iter().filter_map(InterfaceSpec::height).chain([column.height()]);
         let mut low = 0.0;
         for (index, (cells, high)) in bodies.iter().zip(ends).enumerate() {
             let thickness = (high - low) / cells[2] as f64;

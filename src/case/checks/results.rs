@@ -6,10 +6,13 @@ use std::path::PathBuf;
 use super::checker::Checker;
 use crate::case::sections::file::{CaseFile, FieldsSection, FieldsWord};
 use crate::case::sections::{Expectation, Fields, OutputSpec, Probe};
-use crate::case::{Case, Every, InterfaceSpec, MeshSpec, Surface};
+use crate::case::{Case, ColumnSpec, Every, InterfaceSpec, MeshSpec, Surface, SurfaceBit};
 use crate::input::problems::suggestion;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// What stands in front of the reactions of all surfaces together.
+pub(super) const TOTAL: &str = "total";
 
 /// What of an interface has a smallest, a largest and a mean value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,9 +28,9 @@ pub enum InterfaceQuantity {
 }
 
 impl Case {
-    /// The axes of the case: x, y, z, or x, z in 2D.
-    fn axes(&self) -> Vec<&'static str> {
-        if self.dim == 3 { AXES.to_vec() } else { vec!["x", "z"] }
+    /// The names of the axes of the components.
+    pub fn axis_names(&self) -> impl Iterator<Item = &'static str> {
+        self.axes.iter().map(|axis| AXES[*axis])
     }
 
     /// What of an interface has a smallest, a largest and a mean value, in the order of the
@@ -39,27 +42,46 @@ impl Case {
         of_joint.chain(interface.film.is_some().then_some(Pressure)).collect()
     }
 
+    /// The name of a quantity of an interface. Tangents are axes in a column and numbered in the
+    /// frames of a mesh file.
     fn name_of(&self, quantity: InterfaceQuantity) -> String {
-        let normal = self.dim - 1;
+        let (normal, is_of_file) = (self.dim - 1, self.mesh.file().is_some());
+        let tangent = |c: usize| if is_of_file { ["1", "2", "3"][c] } else { AXES[c] };
         match quantity {
             InterfaceQuantity::Traction(c) if c == normal => "normal_traction".to_owned(),
-            InterfaceQuantity::Traction(c) => format!("shear_traction_{}", AXES[c]),
+            InterfaceQuantity::Traction(c) => format!("shear_traction_{}", tangent(c)),
             InterfaceQuantity::Jump(c) if c == normal => "normal_jump".to_owned(),
-            InterfaceQuantity::Jump(c) => format!("sliding_{}", AXES[c]),
+            InterfaceQuantity::Jump(c) => format!("sliding_{}", tangent(c)),
             InterfaceQuantity::Damage => "damage".to_owned(),
             InterfaceQuantity::Pressure => "pressure".to_owned(),
         }
     }
 
+    /// What an interface has one value of, in the order of the columns: the force of the upper side
+    /// on the lower one along each axis (N; in 2D per metre), and the area (m2; in 2D m). Only on
+    /// the mesh of a file so far.
+    pub fn interface_totals(&self) -> Vec<String> {
+        if self.mesh.file().is_none() {
+            return Vec::new();
+        }
+        let forces = self.axis_names().map(|axis| format!("force_{axis}"));
+        forces.chain(["area".to_owned()]).collect()
+    }
+
     /// The surfaces that prescribe a displacement, in the order of their first entry.
-    pub fn supported_surfaces(&self) -> Vec<Surface> {
+    pub fn supported_surfaces(&self) -> Vec<&Surface> {
         let mut surfaces = Vec::new();
         for entry in &self.boundary {
-            if entry.prescribes_displacement() && !surfaces.contains(&entry.on) {
-                surfaces.push(entry.on);
+            if entry.prescribes_displacement() && !surfaces.contains(&&entry.on) {
+                surfaces.push(&entry.on);
             }
         }
         surfaces
+    }
+
+    /// The same, to be asked of nodes.
+    pub fn supported_bits(&self) -> Vec<SurfaceBit> {
+        self.supported_surfaces().into_iter().map(|surface| self.surface_bit(surface)).collect()
     }
 
     /// Whether fluid flows from an interface into the rock.
@@ -80,6 +102,8 @@ impl Case {
                     columns.push(format!("{}.{name}.{statistic}", interface.name));
                 }
             }
+            let totals = self.interface_totals();
+            columns.extend(totals.into_iter().map(|of| format!("{}.{of}", interface.name)));
             if self.has_flux(interface) {
                 columns.extend(
                     ["flux_lower", "flux_upper"].map(|of| format!("{}.{of}", interface.name)),
@@ -87,14 +111,14 @@ impl Case {
             }
         }
         let supported = self.supported_surfaces();
-        let surfaces = supported.iter().map(|surface| surface.name());
-        for of in surfaces.chain(["total"]) {
-            for axis in self.axes() {
+        let surfaces = supported.into_iter().map(Surface::name);
+        for of in surfaces.chain([TOTAL]) {
+            for axis in self.axis_names() {
                 columns.push(format!("{of}.reaction_{axis}"));
             }
         }
         for probe in &self.probes {
-            for axis in self.axes() {
+            for axis in self.axis_names() {
                 columns.push(format!("{}.displacement_{axis}", probe.name));
             }
             if self.has_pressure() {
@@ -180,26 +204,23 @@ impl Checker<'_> {
                 self.add(&format!("{path}.name"), format!("`{}` is taken", section.name));
             }
             if self.sound(&["mesh"]) {
-                if section.at.len() != self.dim {
-                    let reason =
-                        format!("must have {} entries, got {}", self.dim, section.at.len());
-                    self.add(&format!("{path}.at"), reason);
-                } else if section.at.iter().zip(&mesh.size).any(|(x, l)| !(0.0..=*l).contains(x)) {
-                    let reason = format!(
-                        "must lie inside the column of size {:?}, got {:?}",
-                        mesh.size, section.at
-                    );
-                    self.add(&format!("{path}.at"), reason);
-                }
+                self.probe_inside(&format!("{path}.at"), &section.at, mesh);
             }
-            let at = match section.at[..] {
-                [x, y, z] => [x, y, z],
-                [x, z] => [x, 0.0, z],
-                _ => [0.0; 3],
-            };
-            probes.push(Probe { name: section.name.clone(), at });
+            probes.push(Probe { name: section.name.clone(), at: self.by_axis(&section.at) });
         }
         probes
+    }
+
+    /// A point of the dimension of the mesh, and inside the column.
+    fn probe_inside(&mut self, path: &str, at: &[f64], mesh: &MeshSpec) {
+        if at.len() != self.dim && self.knows_dimension {
+            self.add(path, format!("must have {} entries, got {}", self.dim, at.len()));
+            return;
+        }
+        let Some(ColumnSpec { size, .. }) = mesh.column() else { return };
+        if at.iter().zip(size).any(|(x, length)| !(0.0..=*length).contains(x)) {
+            self.add(path, format!("must lie inside the column of size {size:?}, got {at:?}"));
+        }
     }
 
     pub(super) fn expectations(&mut self, case: &Case) -> Vec<Expectation> {

@@ -1,8 +1,7 @@
 //! How large a case may be: refused before memory is asked for.
 
 use super::checker::Checker;
-use crate::case::sections::file::CaseFile;
-use crate::case::{Case, Cells, InterfaceSpec, Material, MeshSpec};
+use crate::case::{Case, Cells, ColumnSpec, InterfaceSpec, Material};
 
 /// The largest number of unknowns that 32-bit indices can number.
 const MOST_UNKNOWNS: u128 = i32::MAX as u128;
@@ -15,14 +14,13 @@ impl Checker<'_> {
     /// Refuses a mesh that cannot be numbered, before memory is asked for.
     pub(super) fn cells(
         &mut self,
-        file: &CaseFile,
-        mesh: &MeshSpec,
+        column: &ColumnSpec,
+        refine: u32,
         materials: &[Material],
         interfaces: &[InterfaceSpec],
         flow: bool,
     ) {
-        let column = file.mesh.column.as_ref();
-        if let (Cells::Bodies(bodies), true) = (&mesh.cells, column.is_some())
+        if let Cells::Bodies(bodies) = &column.cells
             && bodies.len() != interfaces.len() + 1
         {
             let (found, wanted) = (bodies.len(), interfaces.len() + 1);
@@ -31,23 +29,23 @@ impl Checker<'_> {
             self.add("mesh.column.bodies", reason);
             return;
         }
-        self.thickness(mesh, interfaces);
+        self.thickness(column, interfaces);
         let count = |number: Option<u128>| match number {
             None => "more than 1e38".to_owned(),
             Some(n) if n < 1_000_000_000_000 => n.to_string(),
             Some(n) => format!("{:.1e}", n as f64),
         };
         let cuts = interfaces.len() + materials.iter().filter(|m| m.z.is_some()).count();
-        let unknowns = mesh.displacement_unknowns(interfaces.len(), cuts);
+        let unknowns = column.displacement_unknowns(refine, interfaces.len(), cuts);
         // At most one pressure for each node.
         let pressures = |n: u128| if flow { n / self.dim as u128 } else { 0 };
         let unknowns = unknowns.and_then(|n| n.checked_add(pressures(n)));
-        let planes = mesh.planes(interfaces.len(), cuts);
+        let planes = column.planes(refine, interfaces.len(), cuts);
         let what = if unknowns.is_none_or(|n| n > MOST_UNKNOWNS) {
             format!(
                 "unknowns: {} have up to {} displacement components{}; at most {MOST_UNKNOWNS} can \
                  be numbered",
-                mesh.cell_words(),
+                column.cell_words(refine),
                 count(unknowns),
                 if flow { " and pressures" } else { "" }
             )
@@ -55,13 +53,13 @@ impl Checker<'_> {
             format!(
                 "planes: {} have up to {} planes between them, of all bodies along all axes; at \
                  most {MOST_PLANES} are held",
-                mesh.cell_words(),
+                column.cell_words(refine),
                 count(planes)
             )
         } else {
             return;
         };
-        let key = if matches!(mesh.cells, Cells::Uniform(_)) { "cells" } else { "bodies" };
+        let key = if matches!(column.cells, Cells::Uniform(_)) { "cells" } else { "bodies" };
         self.add(&format!("mesh.column.{key}"), format!("make too many {what}"));
     }
 
@@ -80,9 +78,9 @@ impl Checker<'_> {
     }
 }
 
-impl MeshSpec {
+impl ColumnSpec {
     /// The cells before refinement, in words.
-    fn cell_words(&self) -> String {
+    fn cell_words(&self, refine: u32) -> String {
         let grids = match &self.cells {
             Cells::Uniform(cells) => std::slice::from_ref(cells),
             Cells::Bodies(bodies) => bodies,
@@ -93,12 +91,12 @@ impl MeshSpec {
         if grids.len() > words.len() {
             words.push("...".to_owned());
         }
-        format!("{} cells, refined {} times,", words.join(" + "), self.refine)
+        format!("{} cells, refined {refine} times,", words.join(" + "))
     }
 
     /// An upper bound of the number of planes between cells, of all bodies along all axes.
-    fn planes(&self, interfaces: usize, cuts: usize) -> Option<u128> {
-        let factor = 1_u128.checked_shl(self.refine)?;
+    fn planes(&self, refine: u32, interfaces: usize, cuts: usize) -> Option<u128> {
+        let factor = 1_u128.checked_shl(refine)?;
         let of = |cells: &[usize; 3], bodies: usize| -> Option<u128> {
             let along =
                 cells.iter().try_fold(cuts as u128 + 3, |sum, n| sum.checked_add(*n as u128));

@@ -4,29 +4,37 @@ use nalgebra::DMatrix;
 
 use crate::case::Case;
 use crate::case::bodies::Bodies;
-use crate::case::sections::{BoundarySpec, InterfaceSpec, Material, MeshSpec, Surface};
+use crate::case::sections::{
+    BoundarySpec, ColumnSpec, InterfaceSpec, Material, MeshSource, Surface,
+};
 
 impl Case {
     /// The rigid motions that are free when only the interfaces marked in `holds` join their
-    /// bodies, one sentence for each group of bodies. Local.
+    /// bodies, one sentence for each group of bodies; none for a mesh file, whose bodies are
+    /// not known. Local.
     pub fn free_motions(&self, holds: &[bool]) -> Vec<String> {
-        free_motions(&self.mesh, &self.interfaces, &self.boundary, self.dim, holds)
+        let Some(column) = self.mesh.column() else { return Vec::new() };
+        free_motions(column, &self.interfaces, &self.boundary, holds)
     }
 
     /// Where a body lies, in words. Local.
     pub fn place_of_body(&self, body: usize) -> String {
-        Bodies::new(&self.mesh, &self.interfaces).place(&[body])
+        match &self.mesh.source {
+            MeshSource::Boxes(column) => Bodies::new(column, &self.interfaces).place(&[body]),
+            MeshSource::File(file) => format!("of {}", file.path.display()),
+        }
     }
 
     /// The stiffness of the column against pulling, by area: 1 / sum of height over Young's modulus
-    /// (Pa/m). An interface that softens more steeply snaps back. Local.
-    pub fn axial_stiffness(&self) -> f64 {
-        let height = self.mesh.height();
+    /// (Pa/m). An interface that softens more steeply snaps back. None for the mesh of a file.
+    /// Local.
+    pub fn axial_stiffness(&self) -> Option<f64> {
+        let height = self.mesh.column()?.height();
         let part = |material: &Material| {
             let [low, high] = material.z.unwrap_or([0.0, height]);
             (high.min(height) - low.max(0.0)) / material.young_modulus
         };
-        1.0 / self.materials.iter().map(part).sum::<f64>()
+        Some(1.0 / self.materials.iter().map(part).sum::<f64>())
     }
 }
 
@@ -41,23 +49,22 @@ pub(super) fn holds(interfaces: &[InterfaceSpec]) -> Vec<bool> {
 /// component of the group sees it, which is the null space of the constraint rows taken at the
 /// corners of the surfaces that the group touches.
 pub(super) fn free_motions(
-    mesh: &MeshSpec,
+    column: &ColumnSpec,
     interfaces: &[InterfaceSpec],
     boundary: &[BoundarySpec],
-    dim: usize,
     holds: &[bool],
 ) -> Vec<String> {
-    let all = Bodies::new(mesh, interfaces);
+    let all = Bodies::new(column, interfaces);
     let mut sentences = Vec::new();
     for members in all.together(holds) {
         let [first, last] = [members[0], members[members.len() - 1]];
         let [[below, _], [_, above]] = [first, last].map(|body| all.interfaces_of(body));
         let part = Part {
-            lengths: mesh.lengths(),
+            lengths: column.lengths(),
             z: [all.z(first)[0], all.z(last)[1]],
             touches_bottom: below.is_none(),
             touches_top: above.is_none(),
-            dim,
+            dim: column.size.len(),
         };
         let motions = part.free_motions(boundary);
         if motions.is_empty() {
@@ -102,7 +109,7 @@ impl Part {
         if self.dim == 2 { &[0, 2, 4] } else { &[0, 1, 2, 3, 4, 5] }
     }
 
-    fn touches(&self, surface: Surface) -> bool {
+    fn touches(&self, surface: &Surface) -> bool {
         match surface {
             Surface::Bottom => self.touches_bottom,
             Surface::Top => self.touches_top,
@@ -112,7 +119,7 @@ impl Part {
     }
 
     /// The corners of the surface of this part, relative to its centre and size.
-    fn corners(&self, surface: Surface) -> Vec<[f64; 3]> {
+    fn corners(&self, surface: &Surface) -> Vec<[f64; 3]> {
         let size = [self.lengths[0], self.lengths[1], self.z[1] - self.z[0]];
         let scale = size.iter().copied().fold(0.0, f64::max);
         (0..8)
@@ -125,15 +132,15 @@ impl Part {
     fn free_motions(&self, boundary: &[BoundarySpec]) -> Vec<String> {
         let motions = self.motions();
         let mut rows: Vec<f64> = Vec::new();
-        let mut seen: Vec<(Surface, usize)> = Vec::new();
-        for entry in boundary.iter().filter(|entry| self.touches(entry.on)) {
+        let mut seen: Vec<(&Surface, usize)> = Vec::new();
+        for entry in boundary.iter().filter(|entry| self.touches(&entry.on)) {
             for axis in (0..3).filter(|axis| entry.displacement[*axis].is_some()) {
                 // Another entry that prescribes the same component there holds nothing more.
-                if seen.contains(&(entry.on, axis)) {
+                if seen.contains(&(&entry.on, axis)) {
                     continue;
                 }
-                seen.push((entry.on, axis));
-                for point in self.corners(entry.on) {
+                seen.push((&entry.on, axis));
+                for point in self.corners(&entry.on) {
                     rows.extend(motions.iter().map(|motion| displacement(*motion, point)[axis]));
                 }
             }

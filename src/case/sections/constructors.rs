@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 
 use super::file::{
     BodySection, BoundarySection, CaseFile, ColumnSection, Components, ControlSection,
-    DissipationSection, ElasticSection, ExpectSection, FieldsSection, FieldsWord, InterfaceSection,
-    MaterialSection, MeshSection, OpeningSection, OutputSection, Physics, ProbeSection,
-    TimeSection,
+    DissipationSection, ElasticSection, ExpectSection, FieldsSection, FieldsWord, Groups,
+    InterfaceSection, MaterialSection, MeshSection, OpeningSection, OutputSection, Physics,
+    ProbeSection, TimeSection,
 };
 use super::quantity::{
-    CheckpointSection, FactorSection, FluidSection, FormulaSection, ImperfectionSection,
-    InitialSection, LimitsSection, Quantity, TableSection,
+    CheckpointSection, FactorSection, FluidSection, ImperfectionSection, InitialSection,
+    LimitsSection, Quantity,
 };
 use super::{Formulation, Porous, Reduce, Side, SolverSpec, Surface};
 use crate::law::LawSpec;
@@ -120,14 +120,32 @@ impl MeshSection {
         Self::of(ColumnSection { size, cells: None, bodies })
     }
 
+    /// The mesh of a file of Gmsh or SALOME, by its path.
+    pub fn file(path: impl Into<String>) -> Self {
+        Self { file: Some(path.into()), ..Self::nothing() }
+    }
+
     fn of(column: ColumnSection) -> Self {
-        let formulation = Formulation::default();
-        Self { column: Some(column), file: None, order: 1, formulation, refine: 0 }
+        Self { column: Some(column), ..Self::nothing() }
+    }
+
+    fn nothing() -> Self {
+        Self {
+            column: None,
+            file: None,
+            scale: None,
+            raise_order: None,
+            order: None,
+            formulation: Formulation::default(),
+            refine: 0,
+        }
     }
 }
 
 setters! { MeshSection:
-    order = u32 => order, "With cells of first or second order.";
+    order = u32 => Some(order), "With cells of first or second order, in a column.";
+    scale = f64 => Some(scale), "With the length in m of the unit of the file's coordinates.";
+    raise_order = u32 => Some(raise_order), "With cells of a file raised to second order: 2.";
     formulation = Formulation => formulation, "With how the cells are integrated.";
     refine = u32 => refine, "With so many uniform refinements.";
 }
@@ -144,26 +162,47 @@ setters! { BodySection:
 }
 
 impl MaterialSection {
-    /// An elastic material that fills the column: Young's modulus in Pa, Poisson's ratio.
+    /// An elastic material that fills the mesh: Young's modulus in Pa, Poisson's ratio.
     pub fn elastic(young_modulus: f64, poisson_ratio: f64) -> Self {
         let elastic = ElasticSection { young_modulus, poisson_ratio, thermal_expansion: None };
-        Self { z: None, elastic, porous: None }
+        Self { z: None, on: None, elastic, porous: None }
     }
 }
 
 setters! { MaterialSection:
-    z = [f64; 2] => Some(z), "Between two heights in m only.";
+    z = [f64; 2] => Some(z), "Between two heights in m of a column only.";
+    on = impl Into<Groups> => Some(on.into()), "On groups of cells of a mesh file only.";
     porous = Porous => Some(porous), "With the data of a saturated porous medium.";
 }
 
 impl InterfaceSection {
-    /// An interface at a height in m.
+    /// An interface at a height in m of a column.
     pub fn new(name: impl Into<String>, z: f64, law: impl Into<LawSpec>) -> Self {
-        Self { name: name.into(), z, law: law.into(), secondary: None, fluid: None }
+        Self { z: Some(z), ..Self::nowhere(name.into(), law.into()) }
+    }
+
+    /// An interface on a group of facets inside a mesh file.
+    pub fn on(name: impl Into<String>, group: impl Into<String>, law: impl Into<LawSpec>) -> Self {
+        Self { on: Some(group.into()), ..Self::nowhere(name.into(), law.into()) }
+    }
+
+    /// An interface between two groups of facets of a mesh file, the lower side first.
+    pub fn between(
+        name: impl Into<String>,
+        groups: [impl Into<String>; 2],
+        law: impl Into<LawSpec>,
+    ) -> Self {
+        Self { between: Some(groups.map(Into::into)), ..Self::nowhere(name.into(), law.into()) }
+    }
+
+    fn nowhere(name: String, law: LawSpec) -> Self {
+        let (z, on, between) = (None, None, None);
+        Self { name, z, on, flip: false, between, law, secondary: None, fluid: None }
     }
 }
 
 setters! { InterfaceSection:
+    flip = bool => flip, "With the normal of its group turned, or not.";
     secondary = Side => Some(secondary), "With multipliers on this side.";
     fluid = FluidSection => Some(fluid), "With fluid between the lips.";
 }
@@ -185,9 +224,9 @@ setters! { FluidSection:
 }
 
 impl BoundarySection {
-    /// A surface on which nothing is prescribed yet.
-    pub fn on(on: Surface) -> Self {
-        let nothing = Components::default;
+    /// A surface on which nothing is prescribed yet: of a column, or a group by its name.
+    pub fn on(on: impl Into<Surface>) -> Self {
+        let (on, nothing) = (on.into(), Components::default);
         Self { on, displacement: nothing(), traction: nothing(), pressure: None, flux: None }
     }
 }
@@ -203,12 +242,17 @@ setters! { BoundarySection:
 impl Components {
     /// All three components.
     pub fn xyz(x: impl Into<Quantity>, y: impl Into<Quantity>, z: impl Into<Quantity>) -> Self {
-        Self { x: Some(x.into()), y: Some(y.into()), z: Some(z.into()) }
+        Self { x: Some(x.into()), y: Some(y.into()), z: Some(z.into()), normal: None }
     }
 
-    /// Both components of 2D.
+    /// Both components of a column in 2D.
     pub fn xz(x: impl Into<Quantity>, z: impl Into<Quantity>) -> Self {
-        Self { x: Some(x.into()), y: None, z: Some(z.into()) }
+        Self { x: Some(x.into()), z: Some(z.into()), ..Self::default() }
+    }
+
+    /// Both components of a mesh file in the plane z = 0.
+    pub fn xy(x: impl Into<Quantity>, y: impl Into<Quantity>) -> Self {
+        Self { x: Some(x.into()), y: Some(y.into()), ..Self::default() }
     }
 }
 
@@ -216,32 +260,26 @@ setters! { Components:
     x = impl Into<Quantity> => Some(x.into()), "With a component along x.";
     y = impl Into<Quantity> => Some(y.into()), "With a component along y.";
     z = impl Into<Quantity> => Some(z.into()), "With a component along z.";
+    normal = impl Into<Quantity> => Some(normal.into()),
+        "With a component along the outward normal of the surface.";
 }
 
-impl From<f64> for Quantity {
-    fn from(number: f64) -> Self {
-        Quantity::Number(number)
+impl From<&str> for Groups {
+    fn from(name: &str) -> Self {
+        Groups::One(name.to_owned())
     }
 }
 
-/// Pairs of time and value.
-impl From<Vec<[f64; 2]>> for Quantity {
-    fn from(table: Vec<[f64; 2]>) -> Self {
-        Quantity::Table(TableSection { table })
+impl<const N: usize> From<[&str; N]> for Groups {
+    fn from(names: [&str; N]) -> Self {
+        Groups::Many(names.map(str::to_owned).to_vec())
     }
 }
 
-/// Pairs of time and value.
-impl<const N: usize> From<[[f64; 2]; N]> for Quantity {
-    fn from(table: [[f64; 2]; N]) -> Self {
-        table.to_vec().into()
-    }
-}
-
-/// A formula.
-impl From<&str> for Quantity {
-    fn from(formula: &str) -> Self {
-        Quantity::Formula(FormulaSection { formula: formula.to_owned() })
+/// A surface of a column is `Surface::Bottom` and so on; this is a group of a mesh file.
+impl From<&str> for Surface {
+    fn from(name: &str) -> Self {
+        Surface::Group(name.to_owned())
     }
 }
 
@@ -249,19 +287,6 @@ impl ImperfectionSection {
     /// An imperfection of an interface: a factor, or a formula of one in x, y, z.
     pub fn new(interface: impl Into<String>, factor: impl Into<FactorSection>) -> Self {
         Self { interface: interface.into(), factor: factor.into() }
-    }
-}
-
-impl From<f64> for FactorSection {
-    fn from(factor: f64) -> Self {
-        FactorSection::Number(factor)
-    }
-}
-
-/// A formula.
-impl From<&str> for FactorSection {
-    fn from(formula: &str) -> Self {
-        FactorSection::Formula(FormulaSection { formula: formula.to_owned() })
     }
 }
 
@@ -318,7 +343,7 @@ impl LimitsSection {
 }
 
 impl ProbeSection {
-    /// A point in m: x, y, z, or x, z in 2D.
+    /// A point in m: x, y, z, or in 2D x, z in a column and x, y on a mesh file.
     pub fn new(name: impl Into<String>, at: impl Into<Vec<f64>>) -> Self {
         Self { name: name.into(), at: at.into() }
     }

@@ -18,10 +18,10 @@ pub struct CaseFile {
     pub title: Option<String>,
     /// The mesh.
     pub mesh: MeshSection,
-    /// Materials by name: one, or several with `z`.
+    /// Materials by name: one, or several with `z` in a column, with `on` in a mesh file.
     #[schemars(extend("minProperties" = 1))]
     pub materials: BTreeMap<String, MaterialSection>,
-    /// Interfaces, with rising z.
+    /// Interfaces; in a column with rising z.
     #[serde(default)]
     #[schemars(length(max = 1000))]
     pub interfaces: Vec<InterfaceSection>,
@@ -76,13 +76,22 @@ pub struct MeshSection {
     /// A column that stands on z = 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub column: Option<ColumnSection>,
-    /// A Gmsh file (not yet available).
+    /// A mesh file of Gmsh (MSH 2.2 or 4.1) or SALOME (MED) instead of a column; its path is
+    /// relative to the folder of the case file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
-    /// 1: hex8 or quad4; 2: hex27 or quad9.
-    #[serde(default = "one")]
+    /// Length in m of the unit of the coordinates in the file; default: 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub scale: Option<f64>,
+    /// 2: cells of first order in the file become cells of second order.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 2, max = 2))]
+    pub raise_order: Option<u32>,
+    /// Of the cells of a column; 1 (default): hex8 or quad4; 2: hex27 or quad9.
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 2))]
-    pub order: u32,
+    pub order: Option<u32>,
     /// How the cells are integrated.
     #[serde(default)]
     pub formulation: Formulation,
@@ -90,10 +99,6 @@ pub struct MeshSection {
     #[serde(default)]
     #[schemars(range(max = 20))]
     pub refine: u32,
-}
-
-fn one() -> u32 {
-    1
 }
 
 /// A column.
@@ -126,13 +131,27 @@ pub struct BodySection {
     pub order: Option<u32>,
 }
 
+/// Names of groups of a mesh file: one, or a list.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Groups {
+    /// One.
+    One(String),
+    /// Several.
+    Many(#[schemars(length(min = 1, max = 1000))] Vec<String>),
+}
+
 /// A material.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialSection {
-    /// The heights in m between which it lies.
+    /// The heights in m between which it lies in a column.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub z: Option<[f64; 2]>,
+    /// The groups of cells of a mesh file that consist of it; default: everything, or the group of
+    /// its name where there are several materials.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on: Option<Groups>,
     /// Isotropic linear elasticity.
     pub elastic: ElasticSection,
     /// Saturated porous medium.
@@ -161,8 +180,18 @@ pub struct ElasticSection {
 pub struct InterfaceSection {
     /// Its name.
     pub name: String,
-    /// Its height in m.
-    pub z: f64,
+    /// Its height in m, in a column.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub z: Option<f64>,
+    /// A group of facets inside a mesh file, along which the mesh is cut.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on: Option<String>,
+    /// Turns the normal of the interface on a group, which else is that of the group's facets.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub flip: bool,
+    /// Two groups of facets of a mesh file that share no nodes: the lower side, then the upper one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub between: Option<[String; 2]>,
     /// What relates traction and jump.
     pub law: LawSpec,
     /// The side that carries the multipliers; default: the solver's choice.
@@ -193,7 +222,7 @@ pub struct BoundarySection {
     pub flux: Option<Quantity>,
 }
 
-/// Components along x, y, z; there is no y in 2D.
+/// Components along x, y, z; in 2D there is no y in a column, and no z on a mesh file.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Components {
@@ -206,12 +235,15 @@ pub struct Components {
     /// Along z.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub z: Option<Quantity>,
+    /// Along the outward normal of the surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub normal: Option<Quantity>,
 }
 
 impl Components {
     /// Whether no component is given.
     pub fn is_empty(&self) -> bool {
-        self.x.is_none() && self.y.is_none() && self.z.is_none()
+        [&self.x, &self.y, &self.z, &self.normal].into_iter().all(Option::is_none)
     }
 }
 
@@ -327,7 +359,7 @@ pub enum FieldsWord {
 pub struct ProbeSection {
     /// Its name.
     pub name: String,
-    /// Its place in m: x, y, z, or x, z in 2D.
+    /// Its place in m: x, y, z, or in 2D x, z in a column and x, y on a mesh file.
     #[schemars(length(min = 2, max = 3))]
     pub at: Vec<f64>,
 }

@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 use crate::input::Value;
 use crate::law::LawSpec;
 
-/// A horizontal interface across the whole column.
+/// An interface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InterfaceSpec {
     /// Its name, the prefix of its columns in `history.csv`.
     pub name: String,
-    /// Its height in m.
-    pub z: f64,
+    /// Where it is.
+    pub location: Location,
     /// What relates traction and jump.
     pub law: LawSpec,
     /// The side that carries the multipliers; `None`: the solver's choice.
@@ -23,6 +23,41 @@ pub struct InterfaceSpec {
     pub connected: bool,
     /// Fluid that flows along the interface at a pressure of its own.
     pub film: Option<FilmSpec>,
+}
+
+/// Where an interface is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Location {
+    /// Across the whole column, at a height in m.
+    Height(f64),
+    /// On a group of facets inside a mesh file.
+    Group {
+        /// The name of the group.
+        name: String,
+        /// Whether the normal is turned round.
+        flip: bool,
+    },
+    /// Between two groups of facets of a mesh file, the lower side first.
+    Between([String; 2]),
+}
+
+impl InterfaceSpec {
+    /// Its height in m, where it crosses a column.
+    pub fn height(&self) -> Option<f64> {
+        match self.location {
+            Location::Height(z) => Some(z),
+            Location::Group { .. } | Location::Between(_) => None,
+        }
+    }
+
+    /// Where it is, in words that follow its name.
+    pub fn place(&self) -> String {
+        match &self.location {
+            Location::Height(z) => format!("at z = {z} m"),
+            Location::Group { name, .. } => format!("on {name}"),
+            Location::Between([lower, upper]) => format!("between {lower} and {upper}"),
+        }
+    }
 }
 
 /// Fluid that flows along an interface.
@@ -36,7 +71,7 @@ pub struct FilmSpec {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Side {
-    /// The body below.
+    /// The body below: the normal of the interface points out of it.
     Lower,
     /// The body above.
     Upper,

@@ -3,13 +3,15 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// One material of the column.
+/// One material.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     /// Its name in the case file.
     pub name: String,
-    /// The heights in m between which it lies; `None`: everywhere.
+    /// The heights in m between which it lies in a column; `None`: everywhere.
     pub z: Option<[f64; 2]>,
+    /// The groups of cells of a mesh file that consist of it; none: everything.
+    pub groups: Vec<String>,
     /// Young's modulus in Pa.
     pub young_modulus: f64,
     /// Poisson's ratio, in (-1, 0.5).

@@ -26,7 +26,7 @@
 //! assert_eq!((case.dim, case.solver.max_newton), (3, 30));
 //!
 //! // All mistakes are told at once.
-//! file.mesh.order = 3;
+//! file.mesh.order = Some(3);
 //! file.time.instants.push(0.75);
 //! assert_eq!(
 //!     Case::build(file).unwrap_err().to_string(),
@@ -46,16 +46,18 @@ mod output;
 pub(crate) mod quantity;
 mod solver;
 
-pub use boundary::{BoundarySpec, Surface};
+pub use boundary::{BoundarySpec, Surface, SurfaceBit};
 pub use file::{
     BodySection, BoundarySection, CaseFile, ColumnSection, Components, ControlSection,
-    DissipationSection, ElasticSection, ExpectSection, FieldsSection, FieldsWord, InterfaceSection,
-    MaterialSection, MeshSection, OpeningSection, OutputSection, Physics, ProbeSection,
-    TimeSection,
+    DissipationSection, ElasticSection, ExpectSection, FieldsSection, FieldsWord, Groups,
+    InterfaceSection, MaterialSection, MeshSection, OpeningSection, OutputSection, Physics,
+    ProbeSection, TimeSection,
 };
-pub use interface::{FilmSpec, InterfaceSpec, Side};
+pub use interface::{FilmSpec, InterfaceSpec, Location, Side};
 pub use material::{Material, Porous};
-pub use mesh::{Cells, Formulation, MeshSpec};
+pub use mesh::{
+    Cells, ColumnSpec, FileSpec, Formulation, MeshSource, MeshSpec, column_axes, file_axes,
+};
 pub use output::{Expectation, Fields, OutputSpec, Probe};
 pub use quantity::{
     CheckpointSection, FactorSection, FluidSection, FormulaSection, ImperfectionSection,

@@ -104,3 +104,43 @@ pub struct LimitsSection {
     /// the run stops before it is over.
     pub wall: String,
 }
+
+impl From<f64> for Quantity {
+    fn from(number: f64) -> Self {
+        Quantity::Number(number)
+    }
+}
+
+/// Pairs of time and value.
+impl From<Vec<[f64; 2]>> for Quantity {
+    fn from(table: Vec<[f64; 2]>) -> Self {
+        Quantity::Table(TableSection { table })
+    }
+}
+
+/// Pairs of time and value.
+impl<const N: usize> From<[[f64; 2]; N]> for Quantity {
+    fn from(table: [[f64; 2]; N]) -> Self {
+        table.to_vec().into()
+    }
+}
+
+/// A formula.
+impl From<&str> for Quantity {
+    fn from(formula: &str) -> Self {
+        Quantity::Formula(FormulaSection { formula: formula.to_owned() })
+    }
+}
+
+impl From<f64> for FactorSection {
+    fn from(factor: f64) -> Self {
+        FactorSection::Number(factor)
+    }
+}
+
+/// A formula.
+impl From<&str> for FactorSection {
+    fn from(formula: &str) -> Self {
+        FactorSection::Formula(FormulaSection { formula: formula.to_owned() })
+    }
+}

@@ -200,7 +200,7 @@ fn paths_and_laws_can_be_built() {
 fn all_mistakes_are_told_at_once_with_their_paths() {
     let mut sections = column();
     sections.materials.insert("wrong name".into(), MaterialSection::elastic(-1.0, 0.2));
-    sections.interfaces[0].z = f64::NAN;
+    sections.interfaces[0].z = Some(f64::NAN);
     sections.boundary[1] = BoundarySection::on(Surface::Top);
     sections.expect[0].quantity = "joint.normal_tracton".into();
     let told = refusal(sections);

@@ -1,6 +1,7 @@
 //! Tests of the reader: good cases, overrides, what is left out; mistakes have their own file.
 
 mod built;
+mod file_mesh;
 mod flow;
 mod limits;
 mod mistakes;
@@ -45,7 +46,8 @@ fn good(overrides: &[&str]) -> Case {
 fn a_case_gets_its_defaults() {
     let case = good(&[]);
     assert_eq!((case.title.as_str(), case.dim, case.start), ("case", 3, 0.0));
-    assert_eq!(case.mesh.cells, Cells::Uniform([1, 1, 5]));
+    let column = case.mesh.column().expect("a column");
+    assert_eq!(column.cells, Cells::Uniform([1, 1, 5]));
     assert_eq!(case.output.directory, Path::new("results/case"));
     assert_eq!(case.output.fields, Fields::All);
     assert_eq!(case.solver, SolverSpec::default());

@@ -97,13 +97,15 @@ fn the_example_of_the_manual_is_right() {
     let blocks: Vec<&str> = page.split("```yaml\n").skip(1).collect();
     let block = |i: usize| blocks[i].split("```").next().expect("the end of a block");
     Case::read(block(0), Path::new("manual.yaml"), &[]).expect("a case without mistakes");
-    assert_eq!(blocks.len(), 5);
-    // Another whole case, and blocks of which each line is a section that the case may have.
+    assert_eq!(blocks.len(), 6);
+    // Other whole cases, and blocks of which each line is a section that the case may have.
     let (whole, parts): (Vec<usize>, Vec<usize>) =
-        (1..5).partition(|i| block(*i).starts_with("mesh:"));
-    assert_eq!(whole.len(), 1);
-    let flow =
-        Case::read(block(whole[0]), Path::new("manual.yaml"), &[]).expect("a case with flow");
+        (1..6).partition(|i| block(*i).starts_with("mesh:"));
+    assert_eq!(whole.len(), 2);
+    let case = |i: usize| Case::read(block(i), Path::new("manual.yaml"), &[]);
+    let dam = case(whole[0]).and_then(|dam| dam.for_dimension(3)).expect("a case with a mesh file");
+    assert!(dam.mesh.file().is_some());
+    let flow = case(whole[1]).expect("a case with flow");
     assert!(flow.flow.is_some());
     for section in parts.into_iter().flat_map(|i| block(i).lines()) {
         let section = section.replacen(": ", "=", 1);

@@ -21,8 +21,10 @@ impl PlaneFacet {
     /// second coordinate of a line is zero.
     ///
     /// # Panics
-    /// If there are not as many nodes and corners as the shape has.
+    /// If the shape is no line or quadrilateral (triangles are [`super::SpaceFacet`]s), or there
+    /// are not as many nodes and corners as it has.
     pub fn new(shape: Shape, nodes: &[u64], corners: &[[f64; 2]]) -> Self {
+        assert!(matches!(shape.corners(), Shape::Line2 | Shape::Quad4), "a {shape:?} of a box");
         assert_eq!(nodes.len(), shape.nodes(), "nodes of a {shape:?}");
         let mut facet = Self { shape, nodes: [0; MOST_NODES], corners: [[0.0; 2]; 4] };
         facet.nodes[..nodes.len()].copy_from_slice(nodes);
@@ -192,5 +194,12 @@ mod tests {
         let line = PlaneFacet::line([0, 1], [3.0, 1.0]);
         assert!((line.locate([1.5, 0.0])[0] - 0.5).abs() < 1e-15);
         assert_eq!(line.area(), 2.0);
+    }
+
+    #[test]
+    #[should_panic(expected = "a Tri3 of a box")]
+    fn triangles_are_refused() {
+        let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+        PlaneFacet::new(Shape::Tri3, &[0, 1, 2], &corners);
     }
 }

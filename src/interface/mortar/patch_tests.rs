@@ -49,7 +49,7 @@ pub fn lines(n: usize, seed: u64, first: u64) -> Vec<PlaneFacet> {
 }
 
 /// The same facets with nodes of second order: those at one place have one number.
-fn second_order(facets: Vec<PlaneFacet>, first: u64) -> Vec<PlaneFacet> {
+pub fn second_order(facets: Vec<PlaneFacet>, first: u64) -> Vec<PlaneFacet> {
     let mut numbers: BTreeMap<[u64; 2], u64> = BTreeMap::new();
     facets
         .iter()

@@ -1,6 +1,7 @@
 //! The overlap of a secondary and a primary facet, as integration points on both.
 
 use super::PlaneFacet;
+use super::polygon::{clip, cross};
 use crate::element::{Shape, gauss, triangle};
 
 /// An integration point of the overlap of two facets.
@@ -103,41 +104,10 @@ fn common_interval(secondary: &PlaneFacet, primary: &PlaneFacet) -> Option<[f64;
     (high > low).then_some([low, high])
 }
 
-/// Sutherland-Hodgman: the secondary polygon cut by the lines of the primary edges in turn.
+/// The secondary polygon cut by the primary one.
 fn common_polygon(secondary: &PlaneFacet, primary: &PlaneFacet) -> Vec<[f64; 2]> {
-    let near = ON_LINE * secondary.size();
     let turn = primary.signed_area().signum();
-    let corners = primary.corners();
-    let mut polygon = secondary.corners().to_vec();
-    let mut cut = Vec::with_capacity(8);
-    for (i, &a) in corners.iter().enumerate() {
-        let b = corners[(i + 1) % corners.len()];
-        let length = (b[0] - a[0]).hypot(b[1] - a[1]);
-        // Distance from the line of the edge, positive inside; what is on the line is zero.
-        let distance = |x: [f64; 2]| {
-            let d = turn * cross(a, b, x) / length;
-            if d.abs() <= near { 0.0 } else { d }
-        };
-        cut.clear();
-        for (j, &x) in polygon.iter().enumerate() {
-            let y = polygon[(j + 1) % polygon.len()];
-            let (dx, dy) = (distance(x), distance(y));
-            if dx >= 0.0 {
-                cut.push(x);
-            }
-            if dx * dy < 0.0 {
-                let t = dx / (dx - dy);
-                cut.push([x[0] + t * (y[0] - x[0]), x[1] + t * (y[1] - x[1])]);
-            }
-        }
-        std::mem::swap(&mut polygon, &mut cut);
-    }
-    polygon
-}
-
-/// Twice the signed area of a triangle.
-fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
-    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    clip(secondary.corners(), primary.corners(), turn, ON_LINE * secondary.size())
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The column generator: bodies stacked along z, each a lattice of boxes.
 
-use crate::case::{CLOSEST_PLANES, Case, Cells};
+use crate::case::{CLOSEST_PLANES, Case, Cells, InterfaceSpec};
 use crate::error::{Error, Result};
 use crate::mesh::axes;
 
@@ -66,22 +66,22 @@ impl Column {
     /// The column of a case, refined as the case says.
     ///
     /// # Errors
-    /// `Input` when a material's height range leaves a layer without a material.
+    /// `Input` when a material's height range leaves a layer without a material, or the mesh comes
+    /// from a file.
     pub fn new(case: &Case) -> Result<Self> {
-        let dim = case.dim;
-        let size = match dim {
-            2 => [case.mesh.size[0], 0.0, case.mesh.size[1]],
-            _ => [case.mesh.size[0], case.mesh.size[1], case.mesh.size[2]],
-        };
+        let column = case.mesh.column().ok_or_else(|| {
+            Error::Input("mesh.file: the mesh of a file is not yet available".to_owned())
+        })?;
+        let (dim, size) = (case.dim, column.lengths());
         let planes: Vec<f64> = std::iter::once(0.0)
-            .chain(case.interfaces.iter().map(|i| i.z))
+            .chain(case.interfaces.iter().filter_map(InterfaceSpec::height))
             .chain(std::iter::once(size[2]))
             .collect();
         let changes: Vec<f64> = case.materials.iter().flat_map(|m| m.z).flatten().collect();
         let refinements = case.mesh.refine;
         let mut bodies = Vec::new();
         for (index, ends) in planes.windows(2).enumerate() {
-            let (cells, mut levels) = match &case.mesh.cells {
+            let (cells, mut levels) = match &column.cells {
                 Cells::Uniform(n) => (*n, uniform([0.0, size[2]], n[2])),
                 Cells::Bodies(list) => (list[index], uniform([ends[0], ends[1]], list[index][2])),
             };
@@ -97,7 +97,7 @@ impl Column {
             let y = if dim == 2 { 1 } else { cells[1] << refinements };
             let finest = [cells[0] << refinements, y, layers.len() << refinements];
             let planes = finest.map(|n| (0..=n as u32).collect());
-            let order = case.mesh.orders[index.min(case.mesh.orders.len() - 1)];
+            let order = column.orders[index.min(column.orders.len() - 1)];
             bodies.push(Body { finest, layers, planes, order, first_node: 0, first_cell: 0 });
         }
         let mut column = Self { dim, size, refinements, bodies };

@@ -2,11 +2,13 @@
 
 use super::column::{Column, Facets};
 use super::{CellPlace, NodePlace};
+use crate::case::Surface;
 use crate::element::Shape;
-use crate::mesh::local::Prototypes;
+use crate::mesh::directions::Directions;
+use crate::mesh::prototype::Prototypes;
 use crate::mesh::{
-    Facet, FarFacet, Interpolation, Lip, LipFacts, LocalMesh, Marks, MeshFacts, Places, Prototype,
-    axes,
+    Facet, FarFacet, Geometry, Interpolation, Joint, Lip, LipFacts, LocalMesh, Marks, MeshFacts,
+    Places, Prototype, axes,
 };
 
 impl LocalMesh {
@@ -15,13 +17,14 @@ impl LocalMesh {
         let mut prototypes = Prototypes::default();
         let mut cell_prototype = Vec::with_capacity(cells.len());
         let (mut start, mut names) = (vec![0], Vec::new());
-        let mut surfaces = <[Vec<Facet>; 6]>::default();
+        let mut surfaces = vec![Vec::new(); Surface::COLUMN.len()];
         let mut lips = vec![<[Vec<Facet>; 2]>::default(); column.bodies() - 1];
         for (index, cell) in cells.iter().enumerate() {
             let place = column.cell_place(*cell);
             let (size, material) = column.cell_size(place);
             let shape = column.shape(place.body);
-            cell_prototype.push(prototypes.number(Prototype { size, material, shape }));
+            let geometry = Geometry::Box(size);
+            cell_prototype.push(prototypes.number(Prototype { geometry, material, shape }));
             names.extend(column.cell_nodes(place));
             start.push(names.len() as u32);
             let facet = |facet: usize| Facet { cell: index as u32, facet: facet as u8 };
@@ -53,13 +56,14 @@ impl LocalMesh {
             lips,
             coarse_cells,
             is_of_corners: false,
-            lattice: column.clone(),
+            facing: Vec::new(),
+            directions: Directions::default(),
+            lattice: Some(column.clone()),
         }
     }
 
-    /// The cells of the finer lattice `fine` that this rank's cells consist of. Local.
-    pub fn refined(&self, fine: &Column) -> Self {
-        let coarse = &self.lattice;
+    /// The cells of the finer lattice `fine` that this rank's cells of `coarse` consist of. Local.
+    pub fn refined(&self, coarse: &Column, fine: &Column) -> Self {
         let children = |cell: &u64| coarse.children(coarse.cell_place(*cell), fine);
         let mut cells: Vec<u64> =
             self.cells.iter().flat_map(children).map(|place| fine.cell(place)).collect();
@@ -67,9 +71,15 @@ impl LocalMesh {
         Self::new(fine, cells, self.coarse_cells)
     }
 
-    /// The facets of any rank that face a facet of this rank's cells on a lip of an interface.
-    pub fn across(&self, interface: usize, lip: Lip, facet: Facet) -> Vec<FarFacet> {
-        let (column, (_, nodes)) = (&self.lattice, self.facet_nodes(facet));
+    /// As [`LocalMesh::across`] in a lattice.
+    pub(in crate::mesh) fn across_lattice(
+        &self,
+        column: &Column,
+        interface: usize,
+        lip: Lip,
+        facet: Facet,
+    ) -> Vec<FarFacet> {
+        let (_, nodes) = self.facet_nodes(facet);
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for node in nodes {
             let point = self.nodes.points[node as usize];
@@ -92,11 +102,14 @@ impl LocalMesh {
         column.facets_over(face, low, high).into_iter().map(far).collect()
     }
 
-    /// The cell of this rank that holds a point, and the reference coordinates there. A point on an
-    /// interface belongs to the body below; a point of the mesh is found by exactly one rank.
-    pub fn locate(&self, point: [f64; 3]) -> Option<(usize, [f64; 3])> {
-        let (place, fraction) = self.lattice.locate(point);
-        let cell = self.cells.binary_search(&self.lattice.cell(place)).ok()?;
+    /// As [`LocalMesh::locate`] in a lattice.
+    pub(in crate::mesh) fn locate_in_lattice(
+        &self,
+        column: &Column,
+        point: [f64; 3],
+    ) -> Option<(usize, [f64; 3])> {
+        let (place, fraction) = column.locate(point);
+        let cell = self.cells.binary_search(&column.cell(place)).ok()?;
         let mut xi = [0.0; 3];
         for (component, axis) in axes(self.dim()).iter().enumerate() {
             xi[component] = 2.0 * fraction[*axis] - 1.0;
@@ -108,8 +121,9 @@ impl LocalMesh {
     /// a cell of `coarse`.
     pub fn interpolation(&self, coarse: &Self, names: &[u64]) -> Interpolation {
         let mut all = Interpolation { start: vec![0], ..Interpolation::default() };
+        let (Some(fine), Some(coarse)) = (&self.lattice, &coarse.lattice) else { return all };
         for name in names {
-            for (parent, part) in parents(&self.lattice, &coarse.lattice, *name) {
+            for (parent, part) in parents(fine, coarse, *name) {
                 all.names.push(parent);
                 all.weights.push(part);
             }
@@ -150,10 +164,13 @@ impl Column {
         let lip = |interface: usize, lip: Lip| {
             let face = self.lip(interface, lip);
             let (cell, material) = self.cell_size(self.facet_cell(face, [0, 0]));
-            LipFacts { body: face.body, cell, material, order: self.order(face.body) }
+            let order = self.order(face.body);
+            LipFacts { body: face.body, cell, material, order, has_shares: false }
         };
         MeshFacts {
             dim: self.dim,
+            axes: axes(self.dim),
+            origin: [0.0; 3],
             size: self.size,
             bodies: self.bodies(),
             cells: self.cells(),
@@ -162,6 +179,10 @@ impl Column {
             order,
             nodes_per_cell: bodies().map(|b| self.shape(b).nodes()).max().unwrap_or(8),
             section,
+            names: Vec::new(),
+            joints: (1..self.bodies())
+                .map(|i| Joint { interface: i - 1, bodies: [i - 1, i] })
+                .collect(),
             interfaces: (1..self.bodies()).map(|i| Lip::BOTH.map(|l| lip(i - 1, l))).collect(),
         }
     }
@@ -178,10 +199,13 @@ impl Column {
     pub fn marks(&self, node: u64) -> Marks {
         let NodePlace { body, at } = self.node_place(node);
         let last = self.node_extent(body).map(|n| n - 1);
-        Marks::new(body, self.is_on_surfaces(body, at, last), self.lip_at(body, at[2], last[2]))
+        let is_on = self.is_on_surfaces(body, at, last);
+        let surfaces = is_on.iter().enumerate().map(|(place, on)| u128::from(*on) << place).sum();
+        Marks::new(body, surfaces, self.lip_at(body, at[2], last[2]))
     }
 
-    /// Whether a place in a body, whose last one along each axis is `last`, is on each surface.
+    /// Whether a place in a body, whose last one along each axis is `last`, is on each surface of
+    /// [`Surface::COLUMN`].
     fn is_on_surfaces(&self, body: usize, at: [usize; 3], last: [usize; 3]) -> [bool; 6] {
         let flat = self.dim == 2;
         [

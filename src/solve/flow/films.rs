@@ -7,6 +7,7 @@ use crate::comm::Comm;
 use crate::element::{MAX_NODES, Shape};
 use crate::error::Result;
 use crate::interface::{Film, Fluid, JumpRows, Sides, jump_rows};
+use crate::mesh::{Facet, LocalMesh};
 use crate::space::{Directory, Nodes};
 
 /// Interfaces along which fluid flows.
@@ -44,8 +45,7 @@ pub(in crate::solve) fn further_nodes(
     of: Displacements<'_>,
     rows: &[JumpRows<u64>],
 ) -> Vec<u64> {
-    let others = rows.iter().filter_map(|row| row.rows[0].as_ref()).flat_map(|row| &row.others);
-    let mut nodes: Vec<u64> = others.map(|(node, _)| *node).collect();
+    let mut nodes: Vec<u64> = rows.iter().flat_map(|rows| rows.names_of_others()).collect();
     for (_, corners) in film_nodes(case, of) {
         nodes.extend(corners.iter().map(|(corner, _)| *corner));
     }
@@ -108,7 +108,8 @@ pub(in crate::solve) fn films(case: &Case, of: Displacements<'_>, nodes: &Nodes)
     let Displacements { mesh, all, sides } = of;
     let local = |name: u64| nodes.local(name).expect("the corners of a film are held");
     let mut films = Films::default();
-    let mut sizes: Vec<([f64; 2], Shape)> = Vec::new();
+    // The edges of facets of boxes, and the shapes.
+    let mut known: Vec<(Option<[f64; 2]>, Shape)> = Vec::new();
     for (_, side) in flowing(case, sides) {
         let lip = side.secondary_facts(&mesh.facts);
         let porous = case.materials[lip.material].porous.as_ref();
@@ -120,12 +121,15 @@ pub(in crate::solve) fn films(case: &Case, of: Displacements<'_>, nodes: &Nodes)
         }));
         for facet in mesh.on_lip(side.interface, side.secondary) {
             let (shape, nodes) = mesh.lip_nodes(side.secondary, *facet);
-            let [x, y, _] = mesh.prototype(facet.cell as usize).size;
-            let like = ([x, y], shape);
-            let prototype = sizes.iter().position(|size| *size == like).unwrap_or_else(|| {
-                films.prototypes.push(Film::new(shape, [x, y]));
-                sizes.push(like);
-                sizes.len() - 1
+            let edges = edges(mesh, *facet, &nodes);
+            let alike = |of: &(Option<[f64; 2]>, Shape)| of.0.is_some() && *of == (edges, shape);
+            let prototype = known.iter().position(alike).unwrap_or_else(|| {
+                films.prototypes.push(match edges {
+                    Some(size) => Film::new(shape, size),
+                    None => Film::of_points(shape, &by_component(mesh, &nodes)),
+                });
+                known.push((edges, shape));
+                known.len() - 1
             });
             let names: Vec<u64> =
                 nodes.iter().map(|node| mesh.nodes.names[*node as usize]).collect();
@@ -142,4 +146,22 @@ pub(in crate::solve) fn films(case: &Case, of: Displacements<'_>, nodes: &Nodes)
         films.nodes.push(FilmNode { secondary, corners });
     }
     films
+}
+
+/// The edges of a facet with these nodes (m) whose first edge lies along the first axis and whose
+/// normal along the last one, if it belongs to a box.
+fn edges(mesh: &LocalMesh, facet: Facet, nodes: &[u32]) -> Option<[f64; 2]> {
+    let size = mesh.prototype(facet.cell as usize).geometry.size()?;
+    let (axes, points) = (mesh.facts.axes, by_component(mesh, nodes));
+    let normal = axes.len() - 1;
+    let is_flat = points.iter().all(|x| x[normal] == points[0][normal]);
+    let runs_along = (1..axes.len()).all(|c| points[0][c] == points[1][c]);
+    (is_flat && runs_along && points[0][0] < points[1][0]).then(|| [size[axes[0]], size[axes[1]]])
+}
+
+/// Positions of nodes by displacement component (m).
+fn by_component(mesh: &LocalMesh, nodes: &[u32]) -> Vec<[f64; 3]> {
+    let axes = mesh.facts.axes;
+    let along = |x: [f64; 3]| std::array::from_fn(|c| axes.get(c).map_or(0.0, |axis| x[*axis]));
+    nodes.iter().map(|node| along(mesh.nodes.points[*node as usize])).collect()
 }

@@ -311,7 +311,7 @@ impl Flow {
         let mut at = vec![0.0; all.nodes.len()];
         for cell in &self.space.cells {
             let nodes = all.cells.nodes(cell.cell as usize);
-            for (node, own) in nodes.iter().zip(&cell.nodes[..1 << all.dim]) {
+            for (node, own) in nodes.iter().zip(cell.corners()) {
                 if (*own as usize) < self.space.nodes.owned
                     && let Some(value) = values.get(*own as usize)
                 {

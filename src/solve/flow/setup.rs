@@ -16,7 +16,7 @@ use crate::bulk::{FlowStep, Loads, MAX_CORNERS, PorousCell, PorousMedium};
 use crate::case::{Case, FlowSpec};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
-use crate::mesh::{LocalMesh, Prototype, axes};
+use crate::mesh::{Geometry, LocalMesh};
 use crate::petsc::{KspSetup, Matrix, Snes};
 use crate::runtime::Runtime;
 use crate::solve::problem::KnownPressure;
@@ -129,7 +129,7 @@ pub fn couple(
     let pace = flow.tolerance.map(|tolerance| Pace::new(tolerance, FIRST * shortest));
     let density = case.materials.iter().find_map(|m| Some(m.porous.as_ref()?.fluid_density));
     let mut gravity = [0.0; 3];
-    axes(dim).iter().enumerate().for_each(|(c, axis)| gravity[c] = case.gravity[*axis]);
+    case.axes.iter().enumerate().for_each(|(c, axis)| gravity[c] = case.gravity[*axis]);
     let flow = Flow::new(FlowParts {
         space,
         prescribed,
@@ -149,11 +149,13 @@ pub fn couple(
 /// The stiffness that scales the pressures: the largest modulus over the longest edge of its cells
 /// (Pa/m). Collective.
 fn stiffest(comm: &Comm, case: &Case, mesh: &LocalMesh) -> f64 {
-    let of = |p: &Prototype| {
-        let edges = axes(case.dim).iter().map(|axis| p.size[*axis]);
-        case.materials[p.material].young_modulus / edges.fold(0.0, f64::max)
+    let of = |cell: usize| {
+        let size = mesh.extent(cell);
+        let edges = case.axes.iter().map(|axis| size[*axis]);
+        let material = mesh.prototype(cell).material;
+        case.materials[material].young_modulus / edges.fold(0.0, f64::max)
     };
-    let mut largest = [mesh.prototypes.iter().map(of).fold(0.0, f64::max)];
+    let mut largest = [(0..mesh.cells.len()).map(of).fold(0.0, f64::max)];
     comm.max(&mut largest);
     largest[0]
 }
@@ -225,6 +227,44 @@ pub fn known_pressure(
     KnownPressure::new(comm, space, prescribed, &case.load_times()).map(Some)
 }
 
+/// The porous cells of this rank, each with the index of what it has in common with its like: boxes
+/// of one prototype share it, other cells have it alone. Local.
+fn porous_cells(case: &Case, mesh: &LocalMesh) -> (Vec<PorousCell>, Vec<(usize, u32)>) {
+    let axes = case.axes;
+    let mut index = vec![None; mesh.prototypes.len()];
+    let (mut like, mut porous) = (Vec::new(), Vec::new());
+    for (cell, prototype) in mesh.cell_prototype.iter().enumerate() {
+        let of = &mesh.prototypes[*prototype as usize];
+        let material = &case.materials[of.material];
+        let Some(properties) = &material.porous else { continue };
+        let known: &mut Option<u32> = &mut index[*prototype as usize];
+        if let Some(known) = known {
+            porous.push((cell, *known));
+            continue;
+        }
+        let number = like.len() as u32;
+        let medium = PorousMedium::new(material, properties, case.dim);
+        like.push(match of.geometry {
+            Geometry::Box(size) => {
+                *known = Some(number);
+                PorousCell::new(of.shape, size, medium, axes)
+            }
+            Geometry::Points => {
+                let along = |node: &u32| {
+                    let mut out = [0.0; 3];
+                    let point = mesh.nodes.points[*node as usize];
+                    axes.iter().enumerate().for_each(|(c, axis)| out[c] = point[*axis]);
+                    out
+                };
+                let points: Vec<[f64; 3]> = mesh.cell_nodes(cell).iter().map(along).collect();
+                PorousCell::of_points(of.shape, &points, medium)
+            }
+        });
+        porous.push((cell, number));
+    }
+    (like, porous)
+}
+
 /// Nodes, cells, ties and films of the pressure. Collective.
 ///
 /// # Errors
@@ -237,19 +277,7 @@ fn pore_space(
 ) -> Result<PoreSpace> {
     let (dim, Displacements { mesh, sides, .. }) = (case.dim, of);
     let Pressures { corners, prescribed } = pressures;
-    let mut index = vec![None; mesh.prototypes.len()];
-    let mut prototypes = Vec::new();
-    for (prototype, index) in mesh.prototypes.iter().zip(&mut index) {
-        let material = &case.materials[prototype.material];
-        if let Some(porous) = &material.porous {
-            *index = Some(prototypes.len() as u32);
-            let medium = PorousMedium::new(material, porous, dim);
-            prototypes.push(PorousCell::new(prototype, medium, dim));
-        }
-    }
-    let porous = mesh.cell_prototype.iter().enumerate();
-    let porous: Vec<(usize, u32)> =
-        porous.filter_map(|(cell, prototype)| Some((cell, index[*prototype as usize]?))).collect();
+    let (prototypes, porous) = porous_cells(case, mesh);
     let names_of =
         |cell: usize| corners.cell_nodes(cell).iter().map(|n| corners.nodes.names[*n as usize]);
     let mut touched: Vec<u64> = porous.iter().flat_map(|(cell, _)| names_of(*cell)).collect();
@@ -264,7 +292,8 @@ fn pore_space(
         for (of, name) in of.iter_mut().zip(names_of(*cell)) {
             *of = nodes.local(name).expect("the nodes of the rank's cells are held");
         }
-        PoreCell { cell: *cell as u32, prototype: *prototype, nodes: of }
+        let count = corners.cell_nodes(*cell).len() as u8;
+        PoreCell { cell: *cell as u32, prototype: *prototype, nodes: of, count }
     });
     let cells = cells.collect();
     let (ties, tie_of) = ties(&rows, &nodes);

@@ -61,7 +61,7 @@ impl EnergyProjection {
         v[..owned].copy_from_slice(correction);
         all.nodes.update_ghosts(&mut v, all.dim);
         let mut force = vec![0.0; v.len()];
-        all.cells.add_forces(CellSet::All, &v, &mut force, None);
+        all.add_forces(CellSet::All, &v, &mut force, None);
         all.nodes.add_to_owners(&mut force, all.dim);
         force.truncate(owned);
         self.kept.push(Correction { v, force });
@@ -157,8 +157,8 @@ impl<'a> Start<'a> {
             let mut jumps = [0.0; 3];
             for c in 0..dim {
                 let Some(row) = &rows.rows[c] else { continue };
-                let own = rows.node as usize * dim + c;
-                let w = row.trace(rows.node, |node| kept.v[node as usize * dim + c]);
+                let own = rows.own(c) as usize;
+                let w = row.trace(rows.own(c), |unknown| kept.v[unknown as usize]);
                 if response.state.stuck[c] {
                     if w != 0.0 {
                         change.push((own, -w / row.own));
@@ -181,7 +181,7 @@ impl<'a> Start<'a> {
         self.change.iter().for_each(|(i, value)| change[*i] = *value);
         all.nodes.update_ghosts(&mut change, all.dim);
         let mut force = vec![0.0; change.len()];
-        all.cells.add_forces(CellSet::Layer, &change, &mut force, None);
+        all.add_forces(CellSet::Layer, &change, &mut force, None);
         all.nodes.add_to_owners(&mut force, all.dim);
         let owned = force[..self.kept.force.len()].iter().copied().enumerate();
         self.force = owned.filter(|(_, force)| *force != 0.0).collect();

@@ -3,13 +3,15 @@
 //! Once an interface has opened, prescribed displacements move the bodies on its sides as wholes:
 //! a load that the smoothers of no level take up quickly, and that costs nothing to guess.
 
+#![allow(clippy::needless_range_loop)] // index notation over several arrays at once
+
 use nalgebra::{DMatrix, DVector};
 
 use super::energy_projection::least_energy;
 use crate::assembly::Discretization;
 use crate::comm::Comm;
 use crate::graph::groups;
-use crate::mesh::{MeshFacts, axes};
+use crate::mesh::MeshFacts;
 use crate::solve::model::interfaces::InterfaceState;
 
 /// The bodies of a column as rigid ones; a group of bodies that interfaces hold together moves as
@@ -17,6 +19,8 @@ use crate::solve::model::interfaces::InterfaceState;
 pub struct RigidMotions {
     /// Extent of the mesh along x, y, z (m).
     size: [f64; 3],
+    /// The axes of the components.
+    axes: &'static [usize],
     bodies: usize,
     /// The two bodies that each interface joins.
     joints: Vec<[usize; 2]>,
@@ -31,8 +35,8 @@ impl RigidMotions {
     pub fn new(mesh: &MeshFacts) -> Self {
         let joints =
             mesh.interfaces.iter().map(|lips| lips.each_ref().map(|lip| lip.body)).collect();
-        let (size, bodies) = (mesh.size, mesh.bodies);
-        Self { size, bodies, joints, groups: Vec::new(), energy: Vec::new() }
+        let (size, axes, bodies) = (mesh.size, mesh.axes, mesh.bodies);
+        Self { size, axes, bodies, joints, groups: Vec::new(), energy: Vec::new() }
     }
 
     /// The rigid motion of the bodies that is closest to the solution for `rhs`, at owned
@@ -102,26 +106,33 @@ impl RigidMotions {
         groups(self.bodies, joints.map(|(joint, _)| *joint))
     }
 
-    /// The first motion of the group of a node, and the node's displacement in all of them.
+    /// The first motion of the group of a node, and the node's unknowns in all of them.
     fn at(&self, all: &Discretization, node: usize) -> (usize, [[f64; 3]; 6]) {
-        let (point, body) = (all.nodes.points[node], all.nodes.marks[node].body as usize);
-        let (axes, motions) = (axes(all.dim), motions(all.dim));
+        let (body, motions) = (all.nodes.marks[node].body as usize, motions(all.dim));
         let mut values = [[0.0; 3]; 6];
         for (u, motion) in values.iter_mut().zip(motions) {
-            match *motion {
-                Motion::Along(c) => u[c] = 1.0,
-                Motion::About(a, b) => {
-                    u[a] = -self.lever(point, axes[b]);
-                    u[b] = self.lever(point, axes[a]);
-                }
-            }
+            *u = all.frames.unknowns(node as u32, |node| self.moved(all, node, motion));
         }
         (self.groups[body] * motions.len(), values)
     }
 
-    /// Distance from the middle of the mesh along an axis, over its height.
+    /// The displacement of a node in a motion.
+    fn moved(&self, all: &Discretization, node: u32, motion: &Motion) -> [f64; 3] {
+        let (point, axes) = (all.nodes.points[node as usize], self.axes);
+        let mut u = [0.0; 3];
+        match *motion {
+            Motion::Along(c) => u[c] = 1.0,
+            Motion::About(a, b) => {
+                u[a] = -self.lever(point, axes[b]);
+                u[b] = self.lever(point, axes[a]);
+            }
+        }
+        u
+    }
+
+    /// Distance from the middle of the mesh along an axis, over its extent along the last one.
     fn lever(&self, point: [f64; 3], axis: usize) -> f64 {
-        (point[axis] - 0.5 * self.size[axis]) / self.size[2]
+        (point[axis] - 0.5 * self.size[axis]) / self.size[self.axes[self.axes.len() - 1]]
     }
 
     /// Works out the energies of the bulk: only cells with prescribed displacements have any.
@@ -129,6 +140,7 @@ impl RigidMotions {
     fn set_energy(&mut self, comm: &Comm, all: &Discretization, count: usize) {
         let (dim, motions) = (all.dim, motions(all.dim).len());
         let mut sums = vec![0.0; count * motions * motions];
+        let mut buffer = Vec::new();
         for cell in 0..all.cells.len() {
             let nodes = all.cells.nodes(cell);
             if nodes.iter().all(|n| all.prescribed[*n as usize] == [false; 3]) {
@@ -144,7 +156,8 @@ impl RigidMotions {
                     (0..motions).for_each(|m| u[(i * dim + c, m)] = values[m][c]);
                 }
             }
-            let stiffness = DMatrix::from_row_slice(size, size, &all.cells.stiffness(cell).matrix);
+            let stiffness = all.cell_matrix(cell, &mut buffer);
+            let stiffness = DMatrix::from_row_slice(size, size, stiffness);
             let energy = u.transpose() * stiffness * &u;
             let sums = &mut sums[first * motions..][..motions * motions];
             sums.iter_mut().zip(energy.iter()).for_each(|(sum, e)| *sum += e);
@@ -170,13 +183,14 @@ impl RigidMotions {
             let mut jumps = vec![[0.0; 3]; size];
             for c in 0..dim {
                 let Some(row) = &rows.rows[c] else { continue };
-                for (node, a) in row.coefficients(rows.node) {
-                    if all.prescribed[node as usize][c] {
+                for (unknown, a) in row.coefficients(rows.own(c)) {
+                    let (node, component) = (unknown as usize / dim, unknown as usize % dim);
+                    if all.prescribed[node][component] {
                         continue;
                     }
-                    let (first, values) = self.at(all, node as usize);
+                    let (first, values) = self.at(all, node);
                     for m in 0..motions {
-                        jumps[first + m][c] += a * values[m][c];
+                        jumps[first + m][c] += a * values[m][component];
                     }
                 }
             }

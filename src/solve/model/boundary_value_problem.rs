@@ -2,14 +2,18 @@
 
 use std::rc::Rc;
 
+use super::fit;
+use super::special::{special_at, special_of};
+use super::special_by_name::SpecialByName;
 use crate::assembly::{Cells, Discretization};
-use crate::bulk::{Elastic, Loads, Stiffness};
+use crate::bulk::{CellStiffness, Elastic, Loads};
 use crate::case::Case;
 use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::interface::{Sides, jump_rows};
 use crate::mesh::LocalMesh;
 use crate::space::{AtNode, Directory, Nodes, Prescribed};
+use crate::space::{Supports, check_directions};
 
 /// A case on this rank's cells.
 pub struct BoundaryValueProblem {
@@ -20,7 +24,7 @@ pub struct BoundaryValueProblem {
     /// The sides of the interfaces.
     pub sides: Vec<Sides>,
     /// The prescribed displacements.
-    pub prescribed: Prescribed,
+    pub supports: Supports,
     /// Loads on the bulk.
     pub loads: Loads,
 }
@@ -38,9 +42,11 @@ impl BoundaryValueProblem {
         comm.max(&mut largest);
         let agreement = prescribed.check_agreement(&mesh.nodes, &times, largest[0]);
         AtNode::agree(comm, agreement)?;
+        AtNode::agree(comm, check_directions(&mesh, &prescribed, &times, largest[0]))?;
         let loads = Loads::new(case, &mesh);
         comm.agree(loads.check(&times))?;
         let sides = Sides::choose(case, &mesh.facts);
+        fit::check(comm, case, &mesh, &sides, &prescribed)?;
         let all = Rc::new(discretize(comm, case, &mesh, &sides)?);
         let unknowns = all.nodes.total * case.dim as u64;
         if i32::try_from(unknowns).is_err() {
@@ -49,7 +55,12 @@ impl BoundaryValueProblem {
                  use a coarser mesh"
             )));
         }
-        Ok(Self { mesh, all, sides, prescribed, loads })
+        let mut special = special_of(case, &mesh, &sides, &prescribed);
+        for special in &mut special {
+            let local = all.nodes.local(mesh.nodes.names[special.node as usize]);
+            special.node = local.expect("a node of the rank's own cell");
+        }
+        Ok(Self { mesh, all, sides, supports: Supports::new(prescribed, special), loads })
     }
 }
 
@@ -63,36 +74,47 @@ pub(in crate::solve) fn discretize(
     let prescribed = Prescribed::new(case);
     let names = &mesh.nodes.names;
     let directory = Directory::new(comm, mesh.facts.nodes, names);
-    let fixed = |name: u64| {
+    let special = special_of(case, mesh, sides, &prescribed);
+    let without = |name: u64| {
         let node = mesh.nodes.number(name).expect("a node of the rank's own cell");
-        prescribed.components_of(&mesh.nodes.marks[node])
+        let marks = &mesh.nodes.marks[node];
+        match special_at(&special, node as u32) {
+            _ if marks.is_junction => [true; 3],
+            Some(special) if special.is_at_odds => [true; 3],
+            Some(special) => special.fixed,
+            None => prescribed.components_of(marks),
+        }
     };
-    let rows = jump_rows(comm, mesh, sides, case.dim, &fixed, &directory)?;
+    let rows = jump_rows(comm, mesh, sides, case.dim, &without, &directory)?;
     let mut needed = names.clone();
-    needed.extend(
-        rows.iter()
-            .flat_map(|r| r.rows.iter().flatten())
-            .flat_map(|r| r.others.iter().map(|o| o.0)),
-    );
+    needed.extend(rows.iter().flat_map(|rows| rows.names_of_others()));
+    let known = SpecialByName::new(comm, &directory, mesh, &special, &mut needed);
     let nodes = Nodes::new(comm, &directory, &needed, &mesh.nodes)?;
     drop(directory);
+    let frames = known.frames(case.dim, &nodes);
+    let fixed = |(node, name): (usize, &u64)| match known.fixed(*name) {
+        Some(fixed) => fixed,
+        None => prescribed.components_of(&nodes.marks[node]),
+    };
+    let fixed = nodes.names.iter().enumerate().map(fixed).collect();
     let cells = cells(case, mesh, &nodes);
-    Ok(Discretization::new(case.dim, cells, nodes, &prescribed, rows))
+    Ok(Discretization::new(case.dim, cells, nodes, frames, fixed, rows))
 }
 
 fn cells(case: &Case, mesh: &LocalMesh, nodes: &Nodes) -> Cells {
+    let axes = case.axes;
     let stiffness = mesh
         .prototypes
         .iter()
         .map(|p| {
             let material = &case.materials[p.material];
             let elastic = Elastic::new(material.young_modulus, material.poisson_ratio);
-            Stiffness::new(p, elastic, case.dim, case.has_mean_dilatation(material))
+            CellStiffness::new(p, elastic, axes, case.has_mean_dilatation(material))
         })
         .collect();
     let local = |name: &u64| nodes.local(*name).expect("the nodes of the rank's cells are held");
     let locals: Vec<u32> = mesh.nodes.names.iter().map(local).collect();
     let connectivity = (0..mesh.cells.len())
         .map(|cell| mesh.cell_nodes(cell).iter().map(|node| locals[*node as usize]).collect());
-    Cells::new(case.dim, connectivity, mesh.cell_prototype.clone(), stiffness)
+    Cells::new(axes, connectivity, mesh.cell_prototype.clone(), stiffness, &nodes.points)
 }

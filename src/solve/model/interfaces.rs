@@ -200,7 +200,7 @@ impl InterfaceState {
             for c in 0..dim {
                 if let Some(row) = &rows.rows[c] {
                     traction[c] = given(index, c, row);
-                    jump[c] = row.trace(rows.node, |node| u[node as usize * dim + c]);
+                    jump[c] = row.trace(rows.own(c), |unknown| u[unknown as usize]);
                 }
             }
             let (damping, from) = match &self.damping {

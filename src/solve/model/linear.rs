@@ -85,6 +85,9 @@ const PRESETS: &[(&str, &[(&str, &str)])] =
 /// above it soon costs more than all of the rest.
 const FEWEST_FOR_LEVELS: f64 = 3000.0;
 
+/// Up to so many unknowns the mesh of a file is eliminated, in 2D and in 3D.
+const MOST_OF_FILE: [f64; 2] = [3e5, 6e4];
+
 /// Above this Poisson's ratio multigrid needs more than a hundred iterations.
 const HARD_TO_SMOOTH: f64 = 0.495;
 /// Up to so many unknowns elimination then takes less time and bearable memory.
@@ -145,8 +148,25 @@ impl LinearChoice {
                 format!("{unknowns:.0} unknowns: elimination is cheapest"),
             );
         }
+        if case.mesh.file().is_some() {
+            return Self::for_file(mesh.dim, unknowns);
+        }
         let why = "coarser lattices of the column make iterations cheap and few";
         Self::named(MULTIGRID, format!("{unknowns:.0} unknowns: {why}"))
+    }
+}
+
+impl LinearChoice {
+    /// The mesh of a file has no coarser ones: elimination, up to where its fill costs more than
+    /// iterations with smoothed aggregation, which knows the rigid motions of slender parts.
+    fn for_file(dim: usize, unknowns: f64) -> Self {
+        if unknowns < MOST_OF_FILE[dim - 2] {
+            let why =
+                format!("{unknowns:.0} unknowns of a mesh in {dim}D: elimination is cheapest");
+            return Self::named("mumps", why);
+        }
+        let why = "aggregation of its nodes, which knows rigid motions, makes iterations few";
+        Self::named("gamg", format!("{unknowns:.0} unknowns of a mesh in {dim}D: {why}"))
     }
 }
 

@@ -1,10 +1,15 @@
 //! What is solved: the discrete problem, the state of its interfaces, and the choice of solvers.
 
 mod boundary_value_problem;
+mod fit;
+pub(crate) mod held_bodies;
 mod imperfection;
 pub(in crate::solve) mod interfaces;
 pub(in crate::solve) mod linear;
 pub mod memory;
+pub(in crate::solve) mod near_null_space;
+mod special;
+mod special_by_name;
 
 pub use boundary_value_problem::BoundaryValueProblem;
 pub(in crate::solve) use boundary_value_problem::discretize;

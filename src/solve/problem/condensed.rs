@@ -20,7 +20,7 @@ pub fn known_jumps(all: &Discretization, interfaces: &InterfaceState) -> (Vec<f6
     }
     all.nodes.update_ghosts(&mut v, dim);
     let mut force = vec![0.0; v.len()];
-    all.cells.add_forces(CellSet::Layer, &v, &mut force, None);
+    all.add_forces(CellSet::Layer, &v, &mut force, None);
     all.nodes.add_to_owners(&mut force, dim);
     (v, force)
 }
@@ -37,8 +37,8 @@ pub fn fold(comm: &Comm, all: &Discretization, interfaces: &InterfaceState, f: &
     for (rows, response) in all.secondary.iter().zip(&interfaces.response) {
         for c in (0..dim).filter(|c| response.state.jump[*c]) {
             let Some(row) = &rows.rows[c] else { continue };
-            let force = -f[rows.node as usize * dim + c] / row.own;
-            row.spread_to_others(force, |node, f| carried[node as usize * dim + c] += f);
+            let force = -f[rows.own(c) as usize] / row.own;
+            row.spread_to_others(force, |unknown, f| carried[unknown as usize] += f);
         }
     }
     all.nodes.add_to_owners(&mut carried, dim);
@@ -57,8 +57,8 @@ pub fn follow(all: &Discretization, interfaces: &InterfaceState, correction: &mu
             if let Some(row) = &rows.rows[c]
                 && (response.state.stuck[c] || response.state.jump[c])
             {
-                let followed = row.trace_of_others(|node| y[node as usize * dim + c]);
-                correction[rows.node as usize * dim + c] -= followed / row.own;
+                let followed = row.trace_of_others(|unknown| y[unknown as usize]);
+                correction[rows.own(c) as usize] -= followed / row.own;
             }
         }
     }
@@ -74,8 +74,8 @@ pub fn to_unknowns(all: &Discretization, interfaces: &InterfaceState, correction
     for (rows, response) in all.secondary.iter().zip(&interfaces.response) {
         for c in (0..dim).filter(|c| response.state.jump[*c]) {
             let Some(row) = &rows.rows[c] else { continue };
-            let followed = row.trace_of_others(|node| y[node as usize * dim + c]);
-            correction[rows.node as usize * dim + c] += followed / row.own;
+            let followed = row.trace_of_others(|unknown| y[unknown as usize]);
+            correction[rows.own(c) as usize] += followed / row.own;
         }
     }
     let free = free_components(all, interfaces);

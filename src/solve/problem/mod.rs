@@ -163,7 +163,7 @@ impl<'a> Problem<'a> {
         } = parts;
         let components = all.nodes.len() * all.dim;
         let mut of_all = vec![0.0; components];
-        all.cells.add_diagonal(&mut of_all);
+        all.add_diagonal(&mut of_all);
         all.nodes.add_to_owners(&mut of_all, all.dim);
         let of_nodes = of_all[..all.nodes.owned * all.dim].chunks_exact(all.dim);
         let stiffness = of_nodes.map(|k| k.iter().fold(0.0, |m: f64, k| m.max(*k))).collect();
@@ -227,6 +227,7 @@ impl<'a> Problem<'a> {
             load[node * dim + component] += force;
         });
         self.comm.agree(added)?;
+        self.all.frames.fold(&mut self.load);
         if let Some(known) = &mut self.known_pressure {
             self.comm.agree(known.set(time))?;
             self.pore_force = known.forces(&self.all);

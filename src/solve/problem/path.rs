@@ -169,7 +169,7 @@ impl PathControl {
         u.resize(all.nodes.len() * dim, 0.0);
         all.nodes.update_ghosts(&mut u, dim);
         let mut force: Vec<f64> = self.unit_load.iter().map(|load| -load).collect();
-        all.cells.add_forces(CellSet::All, &u, &mut force, None);
+        all.add_forces(CellSet::All, &u, &mut force, None);
         all.nodes.add_to_owners(&mut force, dim);
         let bulk = force.clone();
         let traction = |index: usize, c: usize| {

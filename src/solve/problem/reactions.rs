@@ -1,28 +1,29 @@
 //! The forces of the supports, summed over surfaces.
 
 use crate::assembly::Discretization;
-use crate::case::Surface;
+use crate::case::SurfaceBit;
 
 /// The forces of the supports on the bodies over this rank's own nodes (N; in 2D per metre): of
-/// each of the `surfaces` over all its nodes, by component where one is prescribed, whoever
-/// prescribes it, so that a node of two surfaces counts for both; last of all nodes, each once.
-/// `force` is that at a node and component. Local.
+/// each of the `surfaces` over all its nodes, whoever prescribes something there, so that a node of
+/// two surfaces counts for both; last of all nodes, each once. `force` is that on an unknown of a
+/// node. Local.
 pub fn reactions(
     all: &Discretization,
-    surfaces: &[Surface],
+    surfaces: &[SurfaceBit],
     force: impl Fn(usize, usize) -> f64,
 ) -> Vec<[f64; 3]> {
     let mut sums = vec![[0.0; 3]; surfaces.len() + 1];
     let (of_surfaces, total) = sums.split_at_mut(surfaces.len());
     for node in (0..all.nodes.owned).filter(|node| all.prescribed[*node] != [false; 3]) {
-        for c in (0..all.dim).filter(|c| all.prescribed[node][*c]) {
-            let force = force(node, c);
-            total[0][c] += force;
-            for (surface, sum) in surfaces.iter().zip(&mut *of_surfaces) {
-                if all.nodes.marks[node].is_on(*surface) {
-                    sum[c] += force;
-                }
-            }
+        let of = |c: usize| if all.prescribed[node][c] { force(node, c) } else { 0.0 };
+        let mut support: [f64; 3] = std::array::from_fn(of);
+        if let Some(framed) = all.frames.at(node as u32) {
+            support = all.frames.turned_back(&framed.rotation, support);
+        }
+        let here = |surface: &SurfaceBit| all.nodes.marks[node].is_on(*surface);
+        let at = surfaces.iter().zip(&mut *of_surfaces).filter(|(surface, _)| here(surface));
+        for sum in at.map(|(_, sum)| sum).chain(&mut *total) {
+            sum.iter_mut().zip(support).for_each(|(sum, force)| *sum += force);
         }
     }
     sums

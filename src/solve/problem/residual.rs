@@ -16,12 +16,12 @@ impl Problem<'_> {
         self.bulk_force.iter_mut().zip(&self.pore_force).for_each(|(f, p)| *f -= p);
         let (u, force) = (&self.displacement, &mut self.bulk_force);
         if !with_scales {
-            self.all.cells.add_forces(CellSet::All, u, force, None);
+            self.all.add_forces(CellSet::All, u, force, None);
             nodes.add_to_owners(force, dim);
             return;
         }
         let mut magnitude = vec![0.0; nodes.len()];
-        self.all.cells.add_forces(CellSet::All, u, force, Some(&mut magnitude));
+        self.all.add_forces(CellSet::All, u, force, Some(&mut magnitude));
         nodes.add_to_owners(force, dim);
         nodes.add_to_owners(&mut magnitude, 1);
         // Loads count too: they may leave the bulk without any force of its own.

@@ -70,20 +70,20 @@ impl Problem<'_> {
             let has = |c: usize| (0..dim).any(|d| beyond[c][d] != 0.0 || beyond[d][c] != 0.0);
             let mut jump = [0.0; 3];
             for c in (0..dim).filter(|c| has(*c)) {
-                let at = |node: u32| local[node as usize * dim + c];
+                let at = |unknown: u32| local[unknown as usize];
                 jump[c] = if is_jump[c] {
-                    row(c).own * at(rows.node)
+                    row(c).own * at(rows.own(c))
                 } else {
-                    row(c).trace(rows.node, at)
+                    row(c).trace(rows.own(c), at)
                 };
             }
             for c in (0..dim).filter(|c| has(*c)) {
                 let traction: f64 = (0..dim).map(|d| beyond[c][d] * jump[d]).sum();
-                let mut add = |node: u32, f: f64| force[node as usize * dim + c] += f;
+                let mut add = |unknown: u32, f: f64| force[unknown as usize] += f;
                 if is_jump[c] {
-                    add(rows.node, row(c).own * traction);
+                    add(rows.own(c), row(c).own * traction);
                 } else {
-                    row(c).spread(rows.node, traction, add);
+                    row(c).spread(rows.own(c), traction, add);
                 }
             }
         }

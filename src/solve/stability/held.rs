@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 use crate::assembly::Discretization;
 use crate::case::Case;
 use crate::comm::Comm;
-use crate::mesh::{MeshFacts, axes};
+use crate::mesh::MeshFacts;
 use crate::solve::model::interfaces::{InterfaceState, NodeResponse};
 
 /// A motion is free where what resists it is less than this part of what would if everything held.
@@ -128,7 +128,11 @@ impl<'a> Bodies<'a> {
         all: &'a Discretization,
         interfaces: &InterfaceState,
     ) -> Self {
-        let motions = if all.dim == 2 { &[0, 2, 4][..] } else { &[0, 1, 2, 3, 4, 5] };
+        let motions = match mesh.axes {
+            [0, 1] => &[0, 1, 5][..],
+            [0, 2] => &[0, 2, 4],
+            _ => &[0, 1, 2, 3, 4, 5],
+        };
         let mut bodies = Self { mesh, all, motions, centres: Vec::new() };
         let mut middle = vec![0.0; 4 * mesh.bodies];
         let mut count = |node: usize| {
@@ -168,14 +172,19 @@ impl<'a> Bodies<'a> {
         (0..self.all.nodes.owned).filter(|node| self.all.prescribed[*node] != [false; 3])
     }
 
-    /// A component of the displacements of nodes, times their coefficients, by motions.
-    fn row(&self, coefficients: impl Iterator<Item = (u32, f64)>, component: usize) -> Vec<f64> {
-        let (axis, width) = (axes(self.all.dim)[component], self.motions.len());
+    /// The sum of unknowns times their coefficients, by motions.
+    fn row(&self, coefficients: impl Iterator<Item = (u32, f64)>) -> Vec<f64> {
+        let (dim, width) = (self.all.dim, self.motions.len());
         let mut row = vec![0.0; self.size()];
-        for (node, a) in coefficients {
-            let (point, body) = self.place(node as usize);
+        for (unknown, a) in coefficients {
+            let (node, component) = (unknown / dim as u32, unknown as usize % dim);
+            let body = self.place(node as usize).1;
             for (value, number) in row[body * width..].iter_mut().zip(self.motions) {
-                *value += a * motion(*number, point, self.centres[body])[axis];
+                let moved = |node: u32| {
+                    let u = motion(*number, self.place(node as usize).0, self.centres[body]);
+                    std::array::from_fn(|c| self.mesh.axes.get(c).map_or(0.0, |axis| u[*axis]))
+                };
+                *value += a * self.all.frames.unknowns(node, moved)[component];
             }
         }
         row
@@ -187,14 +196,14 @@ impl<'a> Bodies<'a> {
         let mut sums = Resistance { held: vec![0.0; size * size], full: vec![0.0; size] };
         for node in self.prescribed() {
             for c in (0..dim).filter(|c| all.prescribed[node][*c]) {
-                sums.see(&self.row([(node as u32, 1.0)].into_iter(), c), true);
+                sums.see(&self.row([((node * dim + c) as u32, 1.0)].into_iter()), true);
             }
         }
         for (rows, response) in all.secondary.iter().zip(&interfaces.response) {
             for c in 0..dim {
                 let Some(row) = &rows.rows[c] else { continue };
                 let holds = holds(interfaces, rows.interface, response, c + 1 == dim);
-                sums.see(&self.row(row.coefficients(rows.node), c), holds);
+                sums.see(&self.row(row.coefficients(rows.own(c))), holds);
             }
         }
         comm.sum(&mut sums.held);

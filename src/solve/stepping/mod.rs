@@ -30,7 +30,7 @@ use crate::signals;
 use crate::solve::flow::coupled::{CoupledSystem, Coupling};
 use crate::solve::problem::energy::{Energy, Work};
 use crate::solve::problem::saddle::{SaddlePoint, SaddleSystem};
-use crate::space::Prescribed;
+use crate::space::Supports;
 use ramp::Ramp;
 use step_size::StepSize;
 
@@ -65,7 +65,7 @@ pub struct Stepper<'a> {
     pub coupling: Option<Coupling>,
     /// The unknowns, the displacements first.
     pub(super) x: Vector,
-    prescribed: Prescribed,
+    supports: Supports,
     breakpoints: Vec<f64>,
     /// The accepted states that are not stable.
     pub instabilities: Vec<Instability>,
@@ -109,7 +109,7 @@ impl<'a> Stepper<'a> {
         saddle: Option<SaddlePoint>,
         coupling: Option<Coupling>,
         x: Vector,
-        prescribed: Prescribed,
+        supports: Supports,
     ) -> Self {
         let work = Work::new(problem.all.nodes.owned * problem.all.dim);
         let (time, energy) = (case.start, Energy::default());
@@ -124,7 +124,7 @@ impl<'a> Stepper<'a> {
             saddle,
             coupling,
             x,
-            prescribed,
+            supports,
             breakpoints,
             instabilities,
             bifurcations,
@@ -200,14 +200,11 @@ impl<'a> Stepper<'a> {
         let mut x = self.x.write()?;
         self.problem.all.for_prescribed(|node, component| {
             let nodes = &self.problem.all.nodes;
-            let entry = self.prescribed.entries_of(&nodes.marks[node])[component];
-            let point = nodes.points[node];
-            let at = |entry, time| self.prescribed.value(entry, component, point, time);
-            let value = |entry| match part {
-                1.0 => at(entry, time),
-                _ => Ok(at(entry, time)? - (1.0 - part) * at(entry, start)?),
+            let at = |time| self.supports.value(nodes, node, component, time);
+            x[node * self.problem.all.dim + component] = match part {
+                1.0 => at(time)?,
+                _ => at(time)? - (1.0 - part) * at(start)?,
             };
-            x[node * self.problem.all.dim + component] = entry.map_or(Ok(0.0), value)?;
             Ok(())
         })
     }

@@ -42,10 +42,11 @@ impl Stepper<'_> {
         let whole = if is_one { "gives way over its" } else { "give way over their" };
         if free.is_empty() {
             let steepest = gone.iter().filter_map(|i| i.law.law().steepest_softening());
-            let (steepest, column) = (steepest.fold(0.0, f64::max), self.case.axial_stiffness());
-            if steepest < column {
+            let steepest = steepest.fold(0.0, f64::max);
+            let column = self.case.axial_stiffness().filter(|column| steepest >= *column);
+            let Some(column) = column else {
                 return format!("\n{names} {whole} whole area in this step");
-            }
+            };
             return format!(
                 "\n{names} {whole} whole area in this step: the column, with {column:.3e} Pa/m, gives \
                  back more energy than the interface takes, which softens by up to {steepest:.3e} Pa/m \

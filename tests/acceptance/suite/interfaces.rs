@@ -109,6 +109,7 @@ fn by_secondary_points(secondary: usize, primary: usize) -> f64 {
 }
 
 #[test]
+#[ignore = "half a minute, for its figures: scripts/stability.sh"]
 fn e03_ratio_and_contrast() {
     let top = "1.0e-4*t*(1 + 0.5*(x - 0.5) + 0.25*(y - 0.5))";
     let contrast = |[lower, upper]: [usize; 2], contrast: f64| {
@@ -155,6 +156,7 @@ fn e03_ratio_and_contrast() {
 }
 
 #[test]
+#[ignore = "half a minute, for its figures: scripts/stability.sh"]
 fn e04_slivers() {
     let exact = YOUNG / (1.0 - 0.09) * 1e-4;
     let boundary = "[{on: bottom, displacement: {x: 0, z: 0}}, {on: top, displacement: {x: 1.0e-5, \

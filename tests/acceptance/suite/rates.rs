@@ -101,6 +101,7 @@ fn e12_steps() {
 }
 
 #[test]
+#[ignore = "half a minute, for its figures: scripts/stability.sh"]
 fn e13_scattered_cells() {
     let scene = base("partition");
     let one = scene.on(1);

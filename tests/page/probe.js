@@ -3,6 +3,9 @@ addEventListener("load", () => {
   const inside = (part, whole) =>
     part.left >= whole.left - 0.5 && part.right <= whole.right + 0.5 &&
     part.top >= whole.top - 0.5 && part.bottom <= whole.bottom + 0.5;
+  const grown = (box, by) => ({
+    left: box.left - by, right: box.right + by, top: box.top - by, bottom: box.bottom + by,
+  });
   const overlap = (a, b) =>
     Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 &&
     Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 3;
@@ -58,6 +61,11 @@ addEventListener("load", () => {
         !(x >= -1 && y >= -1 && x <= view.width + 1 && y <= view.height + 1)).length,
       outside: words.filter((_, i) => !inside(boxes[i], whole)),
       clashes,
+      strays: [...svg.querySelectorAll("path")].map((path) => path.getBoundingClientRect())
+        .filter((box) => !inside(grown(box, -3), whole)).length,
+      paths: svg.querySelectorAll("path").length,
+      fonts: Math.min(...texts.map((text) => parseFloat(getComputedStyle(text).fontSize) / unit(text)
+        * (whole.width / view.width))),
       overflows: whole.right > innerWidth,
       contrast: Math.min(...texts.map((text) => contrast(getComputedStyle(text).fill, paper))),
     };

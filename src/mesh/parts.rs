@@ -1,0 +1,321 @@
+//! What each rank gets of a whole mesh.
+
+use std::collections::BTreeMap;
+
+use super::prototype::Prototypes;
+use super::whole::{WholeFacet, WholeInterface, WholeMesh, facet_area, facing, surface_normals};
+use super::{
+    Directions, Facet, FarFacet, Geometry, Joint, Lip, LipFacts, LipNormal, LocalMesh, Marks,
+    MeshFacts, MidNode, Places, Prototype, SurfaceNormal,
+};
+use crate::element::{Shape, mapping, stiffness_rule};
+
+/// Of a node whose surface has no place in a rank's part.
+const NOT_HERE: u32 = u32::MAX;
+
+impl WholeMesh {
+    /// What is known of the mesh.
+    pub fn facts(&self) -> MeshFacts {
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for point in &self.points {
+            for i in 0..3 {
+                low[i] = low[i].min(point[i]);
+                high[i] = high[i].max(point[i]);
+            }
+        }
+        let mut is_corner = vec![false; self.points.len()];
+        for cell in 0..self.cells() {
+            let corners = self.shapes[cell].corners().nodes();
+            self.cell_nodes(cell)[..corners].iter().for_each(|n| is_corner[*n as usize] = true);
+        }
+        let (nodes, dim) = (self.points.len() as u64, self.dim());
+        let share = (dim as f64 - 1.0) / dim as f64;
+        MeshFacts {
+            dim,
+            axes: self.axes,
+            origin: low,
+            size: std::array::from_fn(|i| high[i] - low[i]),
+            bodies: self.body_count,
+            cells: self.cells() as u64,
+            nodes,
+            corners: is_corner.iter().filter(|is| **is).count() as u64,
+            order: self.shapes.iter().map(|shape| shape.order()).max().unwrap_or(1),
+            nodes_per_cell: self.shapes.iter().map(|shape| shape.nodes()).max().unwrap_or(8),
+            section: (nodes as f64).powf(share),
+            interfaces: self.interfaces.iter().map(|i| self.lip_facts(i)).collect(),
+            names: Vec::new(),
+            joints: self.joints(),
+        }
+    }
+
+    /// The pairs of bodies that interfaces join.
+    fn joints(&self) -> Vec<Joint> {
+        let mut joints = Vec::new();
+        let body = |facet: &WholeFacet| self.bodies[facet.cell as usize] as usize;
+        for (interface, of) in self.interfaces.iter().enumerate() {
+            let mut join = |pair: [WholeFacet; 2]| {
+                joints.push(Joint { interface, bodies: pair.each_ref().map(body) });
+            };
+            if of.faces.is_empty() {
+                facing(self, of).into_iter().for_each(&mut join);
+            } else {
+                of.lips[0].iter().zip(&of.lips[1]).for_each(|(one, other)| join([*one, *other]));
+            }
+        }
+        joints.sort_unstable();
+        joints.dedup();
+        joints
+    }
+
+    /// Both lips in numbers: means over their facets.
+    fn lip_facts(&self, interface: &WholeInterface) -> [LipFacts; 2] {
+        interface.lips.each_ref().map(|lip| {
+            let cell = lip.first().map_or(0, |facet| facet.cell as usize);
+            let area: f64 = lip.iter().map(|facet| facet_area(self, *facet)).sum();
+            let volume: f64 = lip.iter().map(|facet| self.volume(facet.cell as usize)).sum();
+            let edge = (area / lip.len().max(1) as f64).powf(1.0 / (self.dim() as f64 - 1.0));
+            let triangles = |facet: &WholeFacet| self.facet_shape(*facet) == Shape::Tri6;
+            LipFacts {
+                body: self.bodies[cell] as usize,
+                cell: [edge, if self.dim() == 3 { edge } else { 1.0 }, volume / area],
+                material: self.materials[cell] as usize,
+                order: self.shapes[cell].order(),
+                has_shares: lip.iter().any(triangles),
+            }
+        })
+    }
+
+    /// The parts of ranks, each of which gets the cells that `rank_of` gives it.
+    pub fn parts(&self, rank_of: &[i32], ranks: usize) -> Vec<LocalMesh> {
+        let facts = self.facts();
+        let mut places = vec![0; self.cells()];
+        let mut cells = vec![Vec::new(); ranks];
+        for (cell, rank) in rank_of.iter().enumerate() {
+            let of_rank = &mut cells[*rank as usize];
+            places[cell] = of_rank.len() as u32;
+            of_rank.push(cell as u64);
+        }
+        let marks = self.marks();
+        let far = self.far_facets();
+        let directions = self.directions();
+        let mut local = vec![NOT_HERE; self.points.len()];
+        let of_rank = |(rank, cells): (usize, Vec<u64>)| {
+            let mut part = self.cells_of(facts.clone(), cells, &marks, &mut local);
+            let own = |facet: &WholeFacet| {
+                (rank_of[facet.cell as usize] == rank as i32)
+                    .then(|| Facet { cell: places[facet.cell as usize], facet: facet.facet })
+            };
+            let surface = |facets: &Vec<WholeFacet>| sorted(facets.iter().filter_map(own));
+            part.surfaces = self.surfaces.iter().map(|s| surface(&s.facets)).collect();
+            for (interface, far) in self.interfaces.iter().zip(&far) {
+                let lips = interface.lips.each_ref().map(&surface);
+                let facing = [0, 1].map(|lip| {
+                    let facets = lips[lip].iter();
+                    let whole = facets.map(|facet| WholeFacet {
+                        cell: part.cells[facet.cell as usize] as u32,
+                        facet: facet.facet,
+                    });
+                    let of = whole.map(|facet| far[lip].get(&facet).map_or(&[][..], Vec::as_slice));
+                    of.map(|far| far.iter().map(|f| self.far_facet(*f)).collect()).collect()
+                });
+                part.lips.push(lips);
+                part.facing.push(facing);
+            }
+            part.directions = directions.of_nodes(&part.nodes.names);
+            part
+        };
+        cells.into_iter().enumerate().map(of_rank).collect()
+    }
+
+    /// Cells with their nodes; `local` is scratch.
+    fn cells_of(
+        &self,
+        facts: MeshFacts,
+        cells: Vec<u64>,
+        marks: &[Marks],
+        local: &mut [u32],
+    ) -> LocalMesh {
+        let mut names: Vec<u64> = Vec::new();
+        for cell in &cells {
+            for node in self.cell_nodes(*cell as usize) {
+                if std::mem::replace(&mut local[*node as usize], 0) == NOT_HERE {
+                    names.push(u64::from(*node));
+                }
+            }
+        }
+        names.sort_unstable();
+        for (number, name) in names.iter().enumerate() {
+            local[*name as usize] = number as u32;
+        }
+        let (mut start, mut connectivity) = (vec![0], Vec::new());
+        let mut prototypes = Prototypes::default();
+        let (mut cell_prototype, mut points) = (Vec::with_capacity(cells.len()), Vec::new());
+        for cell in cells.iter().map(|cell| *cell as usize) {
+            connectivity.extend(self.cell_nodes(cell).iter().map(|n| local[*n as usize]));
+            start.push(connectivity.len() as u32);
+            let shape = self.shapes[cell];
+            points.clear();
+            points.extend(self.cell_nodes(cell).iter().map(|n| self.points[*n as usize]));
+            cell_prototype.push(prototypes.number(Prototype {
+                geometry: Geometry::of(shape, &points, self.axes),
+                material: self.materials[cell] as usize,
+                shape,
+            }));
+        }
+        let at = |name: &u64| *name as usize;
+        let nodes = Places {
+            points: names.iter().map(|name| self.points[at(name)]).collect(),
+            marks: names.iter().map(|name| marks[at(name)]).collect(),
+            names,
+        };
+        nodes.names.iter().for_each(|name| local[at(name)] = NOT_HERE);
+        LocalMesh {
+            coarse_cells: facts.cells,
+            facts,
+            cells,
+            cell_prototype,
+            prototypes: prototypes.list,
+            start,
+            connectivity,
+            nodes,
+            surfaces: Vec::new(),
+            lips: Vec::new(),
+            facing: Vec::new(),
+            directions: Directions::default(),
+            is_of_corners: false,
+            lattice: None,
+        }
+    }
+
+    /// Body, surfaces and lip of every node.
+    fn marks(&self) -> Vec<Marks> {
+        let mut surfaces = vec![0_u128; self.points.len()];
+        for (place, surface) in self.surfaces.iter().enumerate() {
+            surface.nodes.iter().for_each(|node| surfaces[*node as usize] |= 1 << place);
+        }
+        let mut lips = vec![None; self.points.len()];
+        let mut junction = vec![false; self.points.len()];
+        for (index, interface) in self.interfaces.iter().enumerate() {
+            for (lip, facets) in Lip::BOTH.iter().zip(&interface.lips) {
+                for node in facets.iter().flat_map(|facet| self.facet_nodes(*facet)) {
+                    lips[node as usize].get_or_insert((index, *lip));
+                }
+            }
+            let without = interface.tips.iter().chain(&interface.junctions);
+            without.for_each(|node| junction[*node as usize] = true);
+        }
+        let mut bodies = vec![0; self.points.len()];
+        for cell in 0..self.cells() {
+            let nodes = self.cell_nodes(cell).iter();
+            nodes.for_each(|node| bodies[*node as usize] = self.bodies[cell] as usize);
+        }
+        let all = surfaces.into_iter().zip(lips).zip(junction).zip(bodies);
+        all.map(|(((surfaces, lip), is_junction), body)| {
+            let mut marks = Marks::new(body, surfaces, lip);
+            marks.is_junction = is_junction;
+            marks
+        })
+        .collect()
+    }
+
+    /// By interface and lip, the facets of the other lip that may face each facet.
+    fn far_facets(&self) -> Vec<[BTreeMap<WholeFacet, Vec<WholeFacet>>; 2]> {
+        let of_interface = |interface: &WholeInterface| {
+            let mut far = <[BTreeMap<WholeFacet, Vec<WholeFacet>>; 2]>::default();
+            let [lower, upper] = &interface.lips;
+            let mut join = |one: WholeFacet, other: WholeFacet| {
+                far[0].entry(one).or_default().push(other);
+                far[1].entry(other).or_default().push(one);
+            };
+            if interface.faces.is_empty() {
+                facing(self, interface).into_iter().for_each(|[one, other]| join(one, other));
+            } else {
+                lower.iter().zip(upper).for_each(|(one, other)| join(*one, *other));
+            }
+            far
+        };
+        self.interfaces.iter().map(of_interface).collect()
+    }
+
+    /// Normals and middles of edges, by names of nodes.
+    fn directions(&self) -> Directions {
+        let mut all = Directions::default();
+        for (index, interface) in self.interfaces.iter().enumerate() {
+            let normals = interface.normals.iter();
+            all.of_lips.extend(normals.map(|(node, normal)| LipNormal {
+                node: *node,
+                interface: index as u32,
+                normal: self.along_axes(*normal),
+            }));
+            for (lip, facets) in Lip::BOTH.iter().zip(&interface.lips) {
+                let has_shares = |facet: &&WholeFacet| self.facet_shape(**facet) == Shape::Tri6;
+                if !facets.iter().any(|facet| has_shares(&facet)) {
+                    continue;
+                }
+                for facet in facets {
+                    all.middles.extend(self.middles(*facet, index as u32, *lip));
+                }
+            }
+        }
+        for surface in 0..self.surfaces.len() {
+            for (node, normals) in surface_normals(self, surface) {
+                all.of_surfaces.extend(normals.into_iter().map(|normal| SurfaceNormal {
+                    node,
+                    surface: surface as u32,
+                    normal: self.along_axes(normal),
+                }));
+            }
+        }
+        all.sort();
+        all
+    }
+
+    /// The nodes in the middle of the edges of a facet.
+    fn middles(&self, facet: WholeFacet, interface: u32, lip: Lip) -> Vec<MidNode> {
+        let corners = self.facet_shape(facet).corners().nodes();
+        let nodes: Vec<u32> = self.facet_nodes(facet).collect();
+        let middle = |edge: usize| MidNode {
+            node: nodes[corners + edge],
+            interface,
+            lip,
+            ends: [nodes[edge], nodes[(edge + 1) % corners]],
+        };
+        (0..corners).filter(|_| nodes.len() >= 2 * corners).map(middle).collect()
+    }
+
+    /// A vector by components of the displacement.
+    fn along_axes(&self, v: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|c| self.axes.get(c).map_or(0.0, |axis| v[*axis]))
+    }
+
+    /// The volume of a cell (m3; in 2D its area).
+    fn volume(&self, cell: usize) -> f64 {
+        let shape = self.shapes[cell];
+        let points: Vec<[f64; 3]> =
+            self.cell_nodes(cell).iter().map(|n| self.points[*n as usize]).collect();
+        let at = |xi| {
+            if shape.dim() == 3 {
+                return mapping(shape, &points, xi).determinant;
+            }
+            let plane: Vec<[f64; 2]> = points.iter().map(|x| [x[0], x[1]]).collect();
+            mapping(shape, &plane, xi).determinant
+        };
+        stiffness_rule(shape).iter().map(|p| p.weight * at(p.xi)).sum()
+    }
+
+    fn far_facet(&self, facet: WholeFacet) -> FarFacet {
+        let nodes: Vec<u64> = self.facet_nodes(facet).map(u64::from).collect();
+        FarFacet {
+            cell: u64::from(facet.cell),
+            shape: self.facet_shape(facet),
+            points: nodes.iter().map(|node| self.points[*node as usize]).collect(),
+            nodes,
+        }
+    }
+}
+
+fn sorted(facets: impl Iterator<Item = Facet>) -> Vec<Facet> {
+    let mut facets: Vec<Facet> = facets.collect();
+    facets.sort_unstable_by_key(|facet| (facet.cell, facet.facet));
+    facets
+}

@@ -1,0 +1,11 @@
+//! Meshes made in code, and those of the readers' tests.
+
+mod blocks;
+mod checks;
+mod cutting;
+mod files;
+mod graph;
+mod looks;
+mod orienting;
+mod raising;
+mod sides;

@@ -1,0 +1,123 @@
+//! Interfaces in meshes from files that lean, cross, branch, end inside and meet supports.
+
+use crate::scene::{Run, Scene};
+
+/// A scene on a mesh of `tests/meshes/interfaces`; `rest` holds interfaces, boundary and probes.
+fn scene(mesh: &str, rest: &str) -> Scene {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/meshes/interfaces");
+    let yaml = format!(
+        "
+mesh: {{file: \"{folder}/{mesh}.msh\"}}
+materials: {{rock: {{elastic: {{young_modulus: 5.8e9, poisson_ratio: 0.3}}}}}}
+time: {{instants: [1, 2]}}
+{rest}
+"
+    );
+    Scene::new(mesh, &yaml)
+}
+
+/// Displacement gradient of the patches.
+const GRADIENT: [[f64; 3]; 3] =
+    [[0.7e-4, 0.3e-4, 0.9e-4], [-0.2e-4, 0.4e-4, 0.6e-4], [0.5e-4, 0.1e-4, 1.1e-4]];
+/// Where the displacement is compared (m).
+const PROBE: [f64; 3] = [0.7, 0.3, 0.2];
+
+/// Constant strain, prescribed on the whole outer boundary.
+fn patch(mesh: &str, dim: usize, law: &str) -> Scene {
+    let axes = &["x", "y", "z"][..dim];
+    let component = |i: usize| {
+        let terms: Vec<String> = axes
+            .iter()
+            .enumerate()
+            .map(|(j, axis)| format!("({:e})*{axis}", GRADIENT[i][j]))
+            .collect();
+        format!("{}: {{formula: \"t*({})\"}}", axes[i], terms.join("+"))
+    };
+    let components: Vec<String> = (0..dim).map(component).collect();
+    let rest = format!(
+        "interfaces: [{{name: joint, on: joint, law: {law}}}]
+boundary: [{{on: outer, displacement: {{{}}}}}]
+probes: [{{name: p, at: {:?}}}]",
+        components.join(", "),
+        &PROBE[..dim]
+    );
+    scene(mesh, &rest)
+}
+
+fn check_patch(run: &Run, dim: usize) {
+    for (i, axis) in ["x", "y", "z"].iter().enumerate().take(dim) {
+        let exact: f64 = (0..dim).map(|j| GRADIENT[i][j] * PROBE[j]).sum();
+        for (t, found) in run.column(&format!("p.displacement_{axis}")).iter().enumerate() {
+            let exact = (t + 1) as f64 * exact;
+            assert!((found - exact).abs() < 1e-14, "{}: {found} against {exact}", run.label);
+        }
+    }
+    for statistic in ["min", "max"] {
+        let jump = run.column(&format!("joint.normal_jump.{statistic}"));
+        assert!(jump.iter().all(|jump| jump.abs() < 1e-15), "{}: {jump:?}", run.label);
+    }
+}
+
+const TIED: &str = "{tied: {}}";
+const COHESIVE: &str = "{linear_softening: {strength: 1.1e7, fracture_energy: 900}}";
+
+#[test]
+fn two_that_cross() {
+    check_patch(&patch("crossing", 2, TIED).on(1), 2);
+    check_patch(&patch("crossing", 2, COHESIVE).scattered().on(7), 2);
+}
+
+#[test]
+fn one_that_branches() {
+    check_patch(&patch("branching", 2, COHESIVE).on(1), 2);
+    check_patch(&patch("branching", 2, TIED).scattered().on(3), 2);
+}
+
+#[test]
+fn one_that_ends_inside() {
+    check_patch(&patch("ending", 3, COHESIVE).on(1), 3);
+    check_patch(&patch("ending", 3, TIED).scattered().on(4), 3);
+}
+
+/// The components of nodes with a support and of their neighbours without one are the same.
+#[test]
+fn a_support_along_either_tangent() {
+    let stress = [2e5, -1e5, 3e5];
+    let load = |side: &str, stress: f64| {
+        format!("{{on: {side}, traction: {{normal: {{formula: \"t*({stress:e})\"}}}}}}")
+    };
+    let held = |side: &str| format!("{{on: {side}, displacement: {{normal: 0}}}}");
+    let sides = ["x", "y", "z"];
+    let mut entries: Vec<String> = sides.iter().map(|side| held(&format!("{side}0"))).collect();
+    entries.extend(sides.iter().zip(stress).map(|(side, s)| load(&format!("{side}1"), s)));
+    let rest = format!(
+        "interfaces: [{{name: joint, on: joint, law: {TIED}}}]
+boundary: [{}]
+probes: [{{name: p, at: [0.31, 0.37, 0.23]}}]",
+        entries.join(", ")
+    );
+    let leaning = scene("leaning", &rest);
+    for run in [leaning.on(1), leaning.set("solver.form=saddle_point").on(1), leaning.on(2)] {
+        let trace: f64 = stress.iter().sum();
+        for (i, x) in [0.31, 0.37, 0.23].iter().enumerate() {
+            let strain = (1.3 * stress[i] - 0.3 * trace) / 5.8e9;
+            let found = run.column(&format!("p.displacement_{}", sides[i]))[1];
+            let exact = 2.0 * strain * x;
+            assert!((found - exact).abs() < 1e-9 * 3e5 / 5.8e9, "{}: {found}", run.label);
+        }
+    }
+}
+
+#[test]
+fn facets_that_nothing_would_hold_are_refused() {
+    let names = ["a", "b", "c"];
+    let interfaces = names.map(|name| format!("{{name: {name}, on: {name}, law: {TIED}}}"));
+    let rest = format!(
+        "interfaces: [{}]
+boundary: [{{on: z0, displacement: {{x: 0, y: 0, z: 0}}}}]",
+        interfaces.join(", ")
+    );
+    let failure = scene("strips", &rest).attempt(2).err().expect("a refusal");
+    assert_eq!(failure.status, Some(2), "{}", failure.complaint);
+    assert!(failure.complaint.contains("can carry a traction"), "{}", failure.complaint);
+}
