@@ -45,6 +45,7 @@ fn e05_bending_locks_first_order() {
 }
 
 #[test]
+#[ignore = "half a minute, for its figures: scripts/stability.sh"]
 fn e06_incompressibility_locks_full_integration() {
     locking(|nu| nu == 0.49);
 }

@@ -6,6 +6,7 @@ use serde_json::json;
 
 /// Adherence and penalties with multiples of E/h, the cells being h = 0.25 m high.
 #[test]
+#[ignore = "half a minute, for its figures: scripts/stability.sh"]
 fn e01_a_penalty_opens_and_costs_iterations() {
     let top = "1.0e-4*(1 + 0.5*(x - 0.5) + 0.25*(y - 0.5))";
     let finer = |scene: &Scene, solver: &str| {
