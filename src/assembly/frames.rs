@@ -10,7 +10,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use crate::interface::{JumpRow, JumpRows};
-use crate::space::{Rotation, SHARE_OF_END};
+use crate::space::{CARTESIAN, Rotation, SHARE_OF_END};
 
 /// A node whose unknowns are not its displacements.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,9 +35,6 @@ pub struct Frames {
 
 /// Coefficients below this part of the largest are rounding.
 const ROUNDING: f64 = 1e-14;
-
-/// The rotation of a node without a frame.
-pub const CARTESIAN: Rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 impl Frames {
     /// Of `nodes` local nodes. Ends have no ends themselves.

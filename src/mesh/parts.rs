@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::prototype::Prototypes;
-use super::whole::{WholeFacet, WholeInterface, WholeMesh, facet_area, facing, surface_normals};
+use super::whole::{WholeFacet, WholeInterface, WholeMesh, area, facing, surface_normals};
 use super::{
     Directions, Facet, FarFacet, Geometry, Joint, Lip, LipFacts, LipNormal, LocalMesh, Marks,
     MeshFacts, MidNode, Places, Prototype, SurfaceNormal,
@@ -71,7 +71,7 @@ impl WholeMesh {
     fn lip_facts(&self, interface: &WholeInterface) -> [LipFacts; 2] {
         interface.lips.each_ref().map(|lip| {
             let cell = lip.first().map_or(0, |facet| facet.cell as usize);
-            let area: f64 = lip.iter().map(|facet| facet_area(self, *facet)).sum();
+            let area = area(self, lip);
             let volume: f64 = lip.iter().map(|facet| self.volume(facet.cell as usize)).sum();
             let edge = (area / lip.len().max(1) as f64).powf(1.0 / (self.dim() as f64 - 1.0));
             let triangles = |facet: &WholeFacet| self.facet_shape(*facet) == Shape::Tri6;

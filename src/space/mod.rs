@@ -16,7 +16,7 @@ mod pressure;
 mod supports;
 
 pub use directory::Directory;
-pub use node_frame::{Rotation, tangents};
+pub use node_frame::{CARTESIAN, Rotation, tangents};
 pub use node_unknowns::{SpecialNode, SupportTerm, check_directions, special_nodes};
 pub use nodes::Nodes;
 pub use prescribed::{AtNode, Given, Prescribed};

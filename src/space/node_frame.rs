@@ -5,6 +5,9 @@ use nalgebra::{DMatrix, DVector};
 /// A rotation: its rows are directions, by components of the displacement.
 pub type Rotation = [[f64; 3]; 3];
 
+/// The rotation of a node whose unknowns are its displacements along the axes.
+pub const CARTESIAN: Rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
 /// Directions whose cosine differs from 0 or 1 by less are at right angles or parallel.
 const ALIGNED: f64 = 1e-9;
 /// Directions are independent where what one has beyond the others is at least this long.
@@ -56,7 +59,7 @@ impl NodeFrame {
                 }
             }
         };
-        let rows = rotation.unwrap_or([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+        let rows = rotation.unwrap_or(CARTESIAN);
         let is_fixed = |row: [f64; 3]| length(span.projection(row)) > 0.5;
         let fixed = std::array::from_fn(|c| c < dim && is_fixed(rows[c]));
         let values = std::array::from_fn(|c| if fixed[c] { span.factors(rows[c]) } else { vec![] });

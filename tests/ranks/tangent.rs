@@ -98,28 +98,8 @@ fn check(runtime: &Runtime, case: &Case, method: Method) -> BTreeSet<Branch> {
         }
         model.stepper.problem.interfaces.committed = reached;
     }
-    let all: Vec<Branch> =
-        Branches::ALL.into_iter().filter(|b| comm.any(seen.contains(b))).collect();
-    all.into_iter().collect()
-}
-
-/// The branches in one order on every rank.
-struct Branches;
-
-impl Branches {
-    const ALL: [Branch; 11] = [
-        Branch::Stick,
-        Branch::StickClosed,
-        Branch::Unloading,
-        Branch::UnloadingClosed,
-        Branch::Softening,
-        Branch::SofteningClosed,
-        Branch::Broken,
-        Branch::BrokenClosed,
-        Branch::Open,
-        Branch::Closed,
-        Branch::Tied,
-    ];
+    // In one order on every rank.
+    Branch::ALL.into_iter().filter(|branch| comm.any(seen.contains(branch))).collect()
 }
 
 /// The transposes of the interpolations at the state of the last tangent: y . P x = x . P^T y.

@@ -2,9 +2,7 @@
 
 use super::MOST_NODES;
 use crate::element::Shape;
-
-/// The part of the function of the middle of an edge that either of its corners takes.
-const SHARE: f64 = 0.2;
+use crate::space::SHARE_OF_END as SHARE;
 
 /// The nodal basis of a facet, or that with positive integrals made of it: the integrals of the
 /// corner functions of six-node triangles vanish, and no dual basis can belong to them.

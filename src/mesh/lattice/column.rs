@@ -66,12 +66,13 @@ impl Column {
     /// The column of a case, refined as the case says.
     ///
     /// # Errors
-    /// `Input` when a material's height range leaves a layer without a material, or the mesh comes
-    /// from a file.
+    /// `Input` when a material's height range leaves a layer without a material; `Bug` when the
+    /// mesh comes from a file.
     pub fn new(case: &Case) -> Result<Self> {
-        let column = case.mesh.column().ok_or_else(|| {
-            Error::Input("mesh.file: the mesh of a file is not yet available".to_owned())
-        })?;
+        let column = case
+            .mesh
+            .column()
+            .ok_or_else(|| Error::Bug("a column is made of the mesh of a file".to_owned()))?;
         let (dim, size) = (case.dim, column.lengths());
         let planes: Vec<f64> = std::iter::once(0.0)
             .chain(case.interfaces.iter().filter_map(InterfaceSpec::height))

@@ -35,6 +35,6 @@ mod tests;
 pub use build::build;
 pub use dual::{dual_graph, facing};
 pub use facet::WholeFacet;
-pub use normals::{facet_area, surface_normals};
+pub use normals::{area, surface_normals};
 pub use request::{InterfacePlace, InterfaceRequest, MaterialGroups, Request};
 pub use types::{Facing, MAX_FACET_NODES, WholeInterface, WholeMesh, WholeSurface};

@@ -135,7 +135,8 @@ fn unit(vector: [f64; 3]) -> Option<[f64; 3]> {
     (length > 0.0 && length.is_finite()).then(|| vector.map(|x| x / length + 0.0))
 }
 
-/// The area of a facet (m2; in 2D its length).
-pub fn facet_area(mesh: &WholeMesh, facet: WholeFacet) -> f64 {
-    Measure::new().area(mesh.view(), facet)
+/// The area of some facets together (m2; in 2D their length).
+pub fn area(mesh: &WholeMesh, facets: &[WholeFacet]) -> f64 {
+    let measure = Measure::new();
+    facets.iter().map(|facet| measure.area(mesh.view(), *facet)).sum()
 }

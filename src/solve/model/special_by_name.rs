@@ -5,9 +5,8 @@ use std::collections::BTreeMap;
 use crate::assembly::{Framed, Frames};
 use crate::comm::Comm;
 use crate::mesh::LocalMesh;
-use crate::space::{Directory, Nodes, Rotation, SpecialNode};
+use crate::space::{CARTESIAN, Directory, Nodes, Rotation, SpecialNode};
 
-const CARTESIAN: Rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 /// Numbers of an entry on its journey: the directions, the prescribed unknowns, the ends.
 const WIDTH: usize = 12;
 /// Stands for an end that there is not.
