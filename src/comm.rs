@@ -238,7 +238,7 @@ fn count(n: usize) -> Rank {
 }
 
 /// The values in memory of their own also where there are none. An empty list of bytes has the
-/// address 1, which Open MPI and MPICH take for `MPI_IN_PLACE`.
+/// address 1, which Open MPI takes for `MPI_IN_PLACE`.
 fn with_an_address<T>(mut values: Vec<T>) -> Vec<T> {
     if values.is_empty() {
         values.reserve(1);
