@@ -14,7 +14,7 @@ COPY scripts/setup.sh scripts/
 RUN scripts/setup.sh
 COPY --chown=column . .
 USER column
-RUN cargo build --release --locked
+RUN cargo build --release --locked --bin column-hpc
 
 FROM debian:bookworm-slim
 RUN apt-get update \

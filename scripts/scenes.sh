@@ -19,4 +19,4 @@ cd "$root"
 setup_packages
 setup_cargo
 
-exec cargo test --release --quiet --features faults --test scenes -- look "$@"
+exec cargo test --release --quiet --test scenes -- look "$@"

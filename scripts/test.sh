@@ -27,20 +27,16 @@ step() {
     fi
 }
 
-# The program that the steps below run, and that is handed out, holds no injector of faults.
+# The program that is handed out holds no faults.
 no_faults() {
     local program="${CARGO_TARGET_DIR:-$root/target}/release/column-hpc"
     [ -x "$program" ] && ! grep -q COLUMN_HPC_FAULT "$program"
 }
 
 step format cargo fmt --check
-step lints cargo clippy --release --all-targets --features faults -- -D warnings
-# The tests are the same without the feature; the library and the program are not.
-step lints_of_release cargo clippy --release --lib --bins -- -D warnings
-step docs env RUSTDOCFLAGS="-D warnings" cargo doc --release --features faults --no-deps --document-private-items
-# Many tests make the program fail on purpose, which a program for use cannot be asked for. Nobody steps through it:
-# debug information costs a tenth of the build.
-tests=(cargo test --release --features faults --config profile.release.package.column-hpc.debug=false)
+step lints cargo clippy --release --all-targets -- -D warnings
+step docs env RUSTDOCFLAGS="-D warnings" cargo doc --release --no-deps --document-private-items
+tests=(cargo test --release)
 step tests_build "${tests[@]}" --no-run
 # Many tests wait, for a signal or for the end of a run, and leave a core idle. The acceptance tests are the longest:
 # the others run beside them.
@@ -74,8 +70,6 @@ all_others() {
     return $status
 }
 step other_tests all_others
-# From here on the program for use is tested.
-step release cargo build --release
 step no_faults no_faults
 if [ -x scripts/check_fields.sh ]; then
     step fields scripts/check_fields.sh

@@ -1,43 +1,45 @@
-//! Faults on demand, for tests of what a failure leaves behind: only with the feature `faults`,
-//! which a program for use is built without.
+//! Places at which a test can make the program fail, to see what a failure leaves behind.
 //!
-//! `COLUMN_HPC_FAULT=PHASE:RANK:KIND` or `PHASE:RANK:KIND:COUNT` makes one rank fail where the
-//! program calls [`strike`] or [`strike_values`] with that phase for the `COUNT`-th time (1 by
-//! default), or each time from the `COUNT`-th on (`COUNT+`). The kinds: `error`, `panic`, `kill`
-//! (as by the system when memory runs out), `nan` (one of the values is none), `full` (files of the
-//! rank can grow no further), `slow` and `late` (it takes 0.4 s or 4 s longer), `wait` (until there
-//! is a file `go` in the working directory, a minute at most), and the signals `usr1`, `usr2`,
-//! `term` and `int`, which the rank sends to itself.
+//! The library holds no faults: the program `column-hpc-faults`, which only the tests run, brings
+//! them (`tests/faults`).
 
-#[cfg(feature = "faults")]
-mod injector;
+use std::sync::OnceLock;
 
-#[cfg(feature = "faults")]
-pub use injector::{strike, strike_values};
+use crate::comm::Comm;
+use crate::error::Result;
 
-#[cfg(not(feature = "faults"))]
-use crate::{comm::Comm, error::Result};
+/// What may fail at a place: it is told the name of the phase, and numbers that it can spoil.
+/// Collective where it fails.
+pub type Injector = fn(&Comm, &str, &mut dyn Iterator<Item = &mut f64>) -> Result<()>;
 
-/// Nothing: a place at which a test can make the program fail.
-///
-/// # Errors
-/// None.
-#[cfg(not(feature = "faults"))]
-#[inline(always)]
-pub fn strike(_: &Comm, _: &str) -> Result<()> {
-    Ok(())
+static INJECTOR: OnceLock<Injector> = OnceLock::new();
+
+/// From here on `injector` is asked at every place; the first one stays.
+pub fn inject(injector: Injector) {
+    INJECTOR.get_or_init(|| injector);
 }
 
-/// Nothing: as [`strike`], with numbers that a test can spoil.
+/// A place in a phase. Collective where it fails.
 ///
 /// # Errors
-/// None.
-#[cfg(not(feature = "faults"))]
-#[inline(always)]
+/// Those of the injector, on every rank; none without one.
+#[inline]
+pub fn strike(comm: &Comm, phase: &str) -> Result<()> {
+    strike_values(comm, phase, [])
+}
+
+/// As [`strike`], with numbers that a test can spoil.
+///
+/// # Errors
+/// As [`strike`].
+#[inline]
 pub fn strike_values<'v>(
-    _: &Comm,
-    _: &str,
-    _: impl IntoIterator<Item = &'v mut f64>,
+    comm: &Comm,
+    phase: &str,
+    values: impl IntoIterator<Item = &'v mut f64>,
 ) -> Result<()> {
-    Ok(())
+    match INJECTOR.get() {
+        Some(injector) => injector(comm, phase, &mut values.into_iter()),
+        None => Ok(()),
+    }
 }

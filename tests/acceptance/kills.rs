@@ -136,7 +136,7 @@ fn a_few_random_kills() {
     random_kills(6);
 }
 
-/// Takes minutes: `cargo test --release --features faults --test acceptance kills -- --ignored`.
+/// Takes minutes: `cargo test --release --test acceptance kills -- --ignored`.
 #[test]
 #[ignore = "takes minutes"]
 fn two_hundred_random_kills() {

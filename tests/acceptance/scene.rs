@@ -131,10 +131,8 @@ impl Scene {
 
     /// Starts the scene with a fault (or none, if empty), its results in `directory`.
     pub fn launch(&self, ranks: usize, directory: &Path, fault: &str, more: &[&str]) -> Output {
-        if !fault.is_empty() {
-            faults::needed();
-        }
-        let mut args: Vec<String> = vec![format!("{}={fault}", faults::VARIABLE), PROGRAM.into()];
+        let program = if fault.is_empty() { PROGRAM } else { faults::PROGRAM };
+        let mut args: Vec<String> = vec![format!("{}={fault}", faults::VARIABLE), program.into()];
         args.extend(self.words(directory));
         args.extend(more.iter().map(|word| (*word).to_owned()));
         let args: Vec<&str> = args.iter().map(String::as_str).collect();

@@ -12,7 +12,7 @@ use rustix::process::{Pid, Signal, kill_process};
 use crate::common::environment;
 use crate::faults::{self, ranks_in};
 use crate::restart::{goes_on, reference, tilting, unbroken};
-use crate::scene::{PROGRAM, Scene, fresh};
+use crate::scene::{Scene, fresh};
 
 /// A run whose ranks a fault makes slow; it has not come to what is waited for by then.
 const LONGEST: Duration = Duration::from_secs(100);
@@ -25,10 +25,9 @@ struct Running<'a> {
 
 impl<'a> Running<'a> {
     fn start(scene: &Scene, directory: &'a Path, fault: &str) -> Self {
-        faults::needed();
         let error = fs::File::create(directory.join("stderr")).expect("a directory of ours");
         let launcher = Command::new("mpirun")
-            .args(["-n", "2", "--quiet", PROGRAM])
+            .args(["-n", "2", "--quiet", faults::PROGRAM])
             .args(scene.words(directory))
             .arg("--overwrite")
             .envs(environment())
@@ -63,7 +62,7 @@ impl<'a> Running<'a> {
     /// The status, when every rank is gone.
     fn end(&mut self) -> Option<i32> {
         let (start, status) = (Instant::now(), self.launcher.wait().expect("a child of ours"));
-        while !ranks_in(self.directory, PROGRAM).is_empty() {
+        while !ranks_in(self.directory, faults::PROGRAM).is_empty() {
             assert!(start.elapsed() < LONGEST, "a rank is left");
             sleep(Duration::from_millis(20));
         }

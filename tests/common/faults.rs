@@ -1,4 +1,4 @@
-//! Faults on demand: whether there are any, and a watch over runs that are to fail.
+//! Faults on demand, and a watch over runs that are to fail.
 
 use std::fs;
 use std::os::unix::process::CommandExt;
@@ -9,6 +9,9 @@ use std::time::{Duration, Instant};
 
 use rustix::process::{Pid, Signal, kill_process, kill_process_group};
 
+/// The program that fails on demand.
+pub const PROGRAM: &str = env!("CARGO_BIN_EXE_column-hpc-faults");
+
 /// The environment variable that asks for a fault.
 pub const VARIABLE: &str = "COLUMN_HPC_FAULT";
 
@@ -16,17 +19,6 @@ pub const VARIABLE: &str = "COLUMN_HPC_FAULT";
 const HANGS: Duration = Duration::from_secs(60);
 /// Every rank is gone so soon after the first sign of a failure.
 const SOON: Duration = Duration::from_secs(10);
-
-/// Ends the test that needs a fault where the program has none.
-pub fn needed() {
-    if cfg!(feature = "faults") {
-        return;
-    }
-    panic!(
-        "this test makes the program fail on purpose, which takes the feature `faults`: run \
-         cargo test --release --features faults"
-    );
-}
 
 /// What a run under watch ended with.
 #[derive(Debug)]
@@ -57,20 +49,20 @@ pub fn ranks_in(folder: &Path, program: &str) -> Vec<i32> {
     found
 }
 
-/// Runs `program` on `ranks` ranks with a fault, its working directory `folder`, which `args` name
+/// Runs [`PROGRAM`] on `ranks` ranks with a fault, its working directory `folder`, which `args` name
 /// too; while it runs `meanwhile` is called.
 ///
 /// # Panics
 /// With the scene and the state of its ranks when it hangs, or a rank is left 10 s after the first
 /// sign of its failure; everything of it is ended before.
 pub fn watch(
-    (program, folder): (&str, &Path),
+    folder: &Path,
     ranks: usize,
     fault: &str,
     args: &[&str],
     meanwhile: impl FnMut(),
 ) -> Ended {
-    watch_within(HANGS, (program, folder), ranks, fault, args, meanwhile)
+    watch_within(HANGS, folder, ranks, fault, args, meanwhile)
 }
 
 /// As [`watch`], with a time of its own after which the run hangs.
@@ -79,20 +71,17 @@ pub fn watch(
 /// As [`watch`].
 pub fn watch_within(
     hangs: Duration,
-    (program, folder): (&str, &Path),
+    folder: &Path,
     ranks: usize,
     fault: &str,
     args: &[&str],
     mut meanwhile: impl FnMut(),
 ) -> Ended {
-    if !fault.is_empty() {
-        needed();
-    }
     let [out, err] = ["stdout", "stderr"].map(|name| folder.join(name));
     let file = |path: &Path| Stdio::from(fs::File::create(path).expect("a folder of ours"));
     let start = Instant::now();
     let mut launcher = Command::new("mpirun")
-        .args(["-n", &ranks.to_string(), "--quiet", program])
+        .args(["-n", &ranks.to_string(), "--quiet", PROGRAM])
         .args(args)
         .envs(crate::common::environment())
         .env(VARIABLE, fault)
@@ -108,7 +97,7 @@ pub fn watch_within(
     let (mut most, mut failed, mut gone) = (0, None, None);
     let status = loop {
         meanwhile();
-        let left = ranks_in(folder, program);
+        let left = ranks_in(folder, PROGRAM);
         let ended = launcher.try_wait().expect("a child of ours");
         most = most.max(left.len());
         if failed.is_none() && (said() || left.len() < most || ended.is_some()) {

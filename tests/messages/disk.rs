@@ -7,9 +7,9 @@ use std::process::{Command, Output};
 
 use column_hpc::output::history::Table;
 
-use super::faults::{Ended, needed, watch};
+use super::faults::{Ended, PROGRAM, watch};
 use super::matrix::{SCENE, contents};
-use super::{Folder, PROGRAM, common, files};
+use super::{Folder, common, files};
 
 /// Runs the scene with so many instants.
 fn run(
@@ -24,7 +24,7 @@ fn run(
     let mut args = vec![case.to_str().expect("a name of ours"), "--output"];
     args.extend([out.to_str().expect("a name of ours"), "--set", &instants]);
     args.extend(more);
-    watch((PROGRAM, &folder.0), ranks, fault, &args, meanwhile)
+    watch(&folder.0, ranks, fault, &args, meanwhile)
 }
 
 fn instants_of(count: usize) -> String {
@@ -243,7 +243,6 @@ fn a_disk_that_fills_up_ends_the_run_and_it_goes_on_with_room() {
 
 #[test]
 fn a_disk_that_becomes_read_only_ends_the_run() {
-    needed();
     let folder = Folder::with(SCENE);
     let output = on_a_small_disk(
         &folder,

@@ -10,7 +10,7 @@ use std::{fs, io};
 
 use column_hpc::output::history::Table;
 
-use super::{Folder, PROGRAM, common, faults, files};
+use super::{Folder, common, faults, files};
 
 /// The time within which every rank is gone.
 const SOON: Duration = Duration::from_secs(10);
@@ -48,11 +48,10 @@ fn assert_complete(folder: &Folder) {
 
 /// A run on two ranks that waits in its second instant.
 fn waiting(folder: &Folder) -> Child {
-    faults::needed();
     let fault = &format!("{}=history:0:wait:2", faults::VARIABLE);
     let place = folder.0.to_str().expect("a name of ours");
     let child = Command::new("mpirun")
-        .args(["-n", "2", "--quiet", "env", "-C", place, fault, PROGRAM, "case.yaml"])
+        .args(["-n", "2", "--quiet", "env", "-C", place, fault, faults::PROGRAM, "case.yaml"])
         .args(["--output", &format!("{place}/out"), "--set", "output.fields=all"])
         .envs(common::environment())
         .stdin(Stdio::null())
@@ -133,10 +132,7 @@ fn a_run_that_hangs_fails_its_test_with_the_state_of_its_ranks() {
     let out = folder.path("out");
     let args = ["case.yaml", "--output", out.to_str().expect("a name of ours")];
     let limit = Duration::from_secs(5);
-    let watched = || {
-        let scene = (PROGRAM, folder.0.as_path());
-        faults::watch_within(limit, scene, 2, "history:1:wait", &args, || {})
-    };
+    let watched = || faults::watch_within(limit, &folder.0, 2, "history:1:wait", &args, || {});
     let told = catch_unwind(AssertUnwindSafe(watched)).expect_err("it waits for a minute");
     let told = told.downcast::<String>().expect("words");
     assert!(told.starts_with("history:1:wait on 2 ranks of case.yaml "), "{told}");

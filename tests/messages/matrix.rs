@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use std::{fs, thread};
 
 use super::faults::{Ended, watch};
-use super::{Folder, PROGRAM, files};
+use super::{Folder, files};
 
 /// A small column in 2D that writes fields and a checkpoint at each of its two instants.
 pub const SCENE: &str = "\
@@ -187,7 +187,7 @@ fn run(folder: &Folder, ranks: usize, fault: &str, more: &[&str]) -> Ended {
     let mut args = vec![case.to_str().expect("a name of ours"), "--output"];
     args.push(out.to_str().expect("a name of ours"));
     args.extend(more);
-    watch((PROGRAM, &folder.0), ranks, fault, &args, || {})
+    watch(&folder.0, ranks, fault, &args, || {})
 }
 
 /// Fails as asked, looks at what is left, and goes on from there if asked.
@@ -318,7 +318,7 @@ fn every_phase_with_every_kind_of_failure() {
     run_all(false);
 }
 
-/// Takes minutes: `cargo test --release --features faults --test messages matrix -- --ignored`.
+/// Takes minutes: `cargo test --release --test messages matrix -- --ignored`.
 #[test]
 #[ignore = "takes minutes"]
 fn every_phase_on_every_rank_with_every_kind_of_failure() {

@@ -11,6 +11,7 @@ use serde_json::Value;
 use super::common;
 
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_column-hpc");
+const WITH_FAULTS: &str = env!("CARGO_BIN_EXE_column-hpc-faults");
 const PROBE: &str = include_str!("probe.js");
 
 /// Colours of what was computed and of the law.
@@ -34,7 +35,7 @@ impl Folder {
 
     /// Runs a case with the options; `fault` is one of the injector's, or nothing.
     pub fn run(&self, case: &str, fault: &str, options: &[&str]) -> Output {
-        Command::new(PROGRAM)
+        Command::new(if fault.is_empty() { PROGRAM } else { WITH_FAULTS })
             .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("cases").join(case))
             .arg("--output")
             .arg(self.path("out"))

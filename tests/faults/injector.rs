@@ -1,4 +1,12 @@
-//! The faults themselves.
+//! The faults.
+//!
+//! `COLUMN_HPC_FAULT=PHASE:RANK:KIND` or `PHASE:RANK:KIND:COUNT` makes one rank fail where the
+//! program calls `fault::strike` or `fault::strike_values` with that phase for the `COUNT`-th time
+//! (1 by default), or each time from the `COUNT`-th on (`COUNT+`). The kinds: `error`, `panic`,
+//! `kill` (as by the system when memory runs out), `nan` (one of the values is none), `full` (files
+//! of the rank can grow no further), `slow` and `late` (it takes 0.4 s or 4 s longer), `wait`
+//! (until there is a file `go` in the working directory, a minute at most), and the signals `usr1`,
+//! `usr2`, `term` and `int`, which the rank sends to itself.
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -7,8 +15,8 @@ use std::time::{Duration, Instant};
 
 use rustix::process::{Resource, Signal, getpid, getrlimit, kill_process, setrlimit};
 
-use crate::comm::Comm;
-use crate::error::{Error, Result};
+use column_hpc::comm::Comm;
+use column_hpc::error::{Error, Result};
 
 /// The environment variable.
 const VARIABLE: &str = "COLUMN_HPC_FAULT";
@@ -47,23 +55,12 @@ impl Fault {
     }
 }
 
-/// Fails here if the environment asks for it. Collective when it does.
+/// Fails here if the environment asks for it; of the kind `nan` the last of `values` is no number
+/// afterwards. Collective when it does.
 ///
 /// # Errors
-/// `System` on every rank, for the kind `error`.
-pub fn strike(comm: &Comm, phase: &str) -> Result<()> {
-    strike_values(comm, phase, [])
-}
-
-/// As [`strike`]; of the kind `nan` the last of `values` is no number afterwards.
-///
-/// # Errors
-/// As [`strike`]; also where there is no value to spoil.
-pub fn strike_values<'v>(
-    comm: &Comm,
-    phase: &str,
-    values: impl IntoIterator<Item = &'v mut f64>,
-) -> Result<()> {
+/// `System` on every rank, for the kind `error`, and where there is no value to spoil.
+pub fn strike(comm: &Comm, phase: &str, values: &mut dyn Iterator<Item = &mut f64>) -> Result<()> {
     static FAULT: OnceLock<Option<Fault>> = OnceLock::new();
     static PASSED: AtomicU64 = AtomicU64::new(0);
     let asked = || std::env::var(VARIABLE).ok().as_deref().and_then(Fault::parse);
@@ -74,7 +71,7 @@ pub fn strike_values<'v>(
     comm.agree(if now && comm.rank() == fault.rank { fail(fault, values) } else { Ok(()) })
 }
 
-fn fail<'v>(fault: &Fault, values: impl IntoIterator<Item = &'v mut f64>) -> Result<()> {
+fn fail(fault: &Fault, values: &mut dyn Iterator<Item = &mut f64>) -> Result<()> {
     let phase = &fault.phase;
     match fault.kind.as_str() {
         "panic" => panic!("a test asked for a panic in phase {phase}"),
@@ -89,7 +86,7 @@ fn fail<'v>(fault: &Fault, values: impl IntoIterator<Item = &'v mut f64>) -> Res
             let refused = |cause| Error::System(format!("cannot limit the size of files: {cause}"));
             setrlimit(Resource::Fsize, limit).map_err(refused)
         }
-        "nan" => match values.into_iter().last() {
+        "nan" => match values.last() {
             Some(value) => {
                 *value = f64::NAN;
                 Ok(())
