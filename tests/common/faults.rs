@@ -49,8 +49,8 @@ pub fn ranks_in(folder: &Path, program: &str) -> Vec<i32> {
     found
 }
 
-/// Runs [`PROGRAM`] on `ranks` ranks with a fault, its working directory `folder`, which `args` name
-/// too; while it runs `meanwhile` is called.
+/// Runs [`PROGRAM`] on `ranks` ranks with a fault, its working directory `folder`, which `args`
+/// name too; while it runs `meanwhile` is called.
 ///
 /// # Panics
 /// With the scene and the state of its ranks when it hangs, or a rank is left 10 s after the first
