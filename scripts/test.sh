@@ -61,7 +61,7 @@ set -m
 beside >"$log" 2>&1 </dev/null &
 lane=$!
 set +m
-step acceptance "${tests[@]}" --test acceptance
+step acceptance env RUST_TEST_THREADS="${ACCEPTANCE_THREADS:-$((RUST_TEST_THREADS + 1))}" "${tests[@]}" --test acceptance
 all_others() {
     local status=0
     wait "$lane" || status=$?

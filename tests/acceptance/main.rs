@@ -17,6 +17,7 @@ mod fluid;
 #[path = "../common/faults.rs"]
 #[allow(dead_code)] // as above
 mod faults;
+mod gallery;
 mod grid;
 
 mod kills;

@@ -16,8 +16,9 @@ pub const PROGRAM: &str = env!("CARGO_BIN_EXE_column-hpc");
 /// A launch alone takes seconds; beside other work on the machine it may wait for a core.
 const LIMIT: Duration = Duration::from_secs(120);
 
-/// Launches at the same time: more would fight for the cores.
-const MOST_LAUNCHES: usize = 2;
+/// Launches at the same time: they wait for the start and the end of their ranks a third of their
+/// time; more would fight for the cores.
+const MOST_LAUNCHES: usize = 3;
 
 /// The linear solvers that are compared.
 pub const SOLVERS: [&str; 4] = ["mumps", "gamg", "hypre", "multigrid"];
@@ -353,6 +354,7 @@ pub enum Kind {
     Length,
     Damage,
     Reaction,
+    Area,
     Energy,
     Time,
 }
@@ -370,6 +372,8 @@ impl Kind {
             ("displacement", Self::Length),
             ("damage", Self::Damage),
             ("reaction", Self::Reaction),
+            ("force", Self::Reaction),
+            ("area", Self::Area),
             ("energy", Self::Energy),
             ("time", Self::Time),
             ("load_factor", Self::Time),

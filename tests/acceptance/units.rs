@@ -32,6 +32,7 @@ fn in_millimetres(kind: Kind) -> f64 {
         Kind::Traction | Kind::Pressure => 1e-6,
         Kind::Length | Kind::Energy => 1e3,
         Kind::Damage | Kind::Reaction | Kind::Time => 1.0,
+        Kind::Area => 1e6,
         Kind::Flux | Kind::Mass => panic!("no fluid flows here"),
     }
 }
