@@ -22,14 +22,17 @@ impl NodeState {
     pub const WIDTH: usize = 12;
 
     /// Whether a preconditioner for this state serves the other one too: the same components are
-    /// stuck, and the tangent differs by less than a part of itself.
-    pub fn is_close_to(&self, other: &Self) -> bool {
+    /// stuck, and the tangent differs by less than a part of itself, or of the stiffness of the
+    /// cells at the node for each area of the interface, `cells` (Pa/m).
+    pub fn is_close_to(&self, other: &Self, cells: f64) -> bool {
         const PART: f64 = 0.3;
+        const PART_OF_CELLS: f64 = 0.1;
         let square = |of: &dyn Fn(usize, usize) -> f64| -> f64 {
             (0..9).map(|i| of(i / 3, i % 3).powi(2)).sum()
         };
         let change = square(&|i, j| self.tangent[i][j] - other.tangent[i][j]);
-        self.stuck == other.stuck && change <= PART * PART * square(&|i, j| self.tangent[i][j])
+        let own = PART * PART * square(&|i, j| self.tangent[i][j]);
+        self.stuck == other.stuck && change <= own.max((PART_OF_CELLS * cells).powi(2))
     }
 
     /// Whether some jump is answered by less traction the more of it there is.
