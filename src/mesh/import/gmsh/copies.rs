@@ -1,11 +1,12 @@
 //! Elements that a file holds more than once.
 
-use super::super::file_mesh::Block;
+use super::super::file_mesh::{Block, Kind};
 use super::groups::Sets;
 use crate::error::{Error, Result};
 
 /// Joins copies of one element, which MSH 2.2 writes once for each of its groups, to one element of
-/// all these groups. Other copies are errors, in MSH 4.1 all.
+/// all these groups. Other copies are errors, in MSH 4.1 all but those of points: several entities
+/// can be at one node, and a point that is there twice is in all their groups.
 pub(super) fn join(block: &mut Block, sets: &mut Sets, are_for_groups: bool) -> Result<()> {
     let count = block.kind.nodes();
     let nodes = |element: usize| &block.nodes[element * count..][..count];
@@ -33,7 +34,9 @@ pub(super) fn join(block: &mut Block, sets: &mut Sets, are_for_groups: bool) -> 
         let mut tags = sets.flatten().copied().collect::<Vec<_>>();
         tags.sort_unstable();
         let is_distinct = tags.windows(2).all(|pair| pair[0] != pair[1]);
-        if !(are_for_groups && is_grouped && is_distinct) {
+        tags.dedup();
+        let is_point = block.kind == Kind::Point1;
+        if !(is_point || are_for_groups && is_grouped && is_distinct) {
             return Err(same(block, first, second));
         }
         copies[1..].iter().for_each(|copy| dropped[copy.1] = true);

@@ -52,6 +52,25 @@ fn copies_that_are_not_for_groups_are_errors() {
 }
 
 #[test]
+fn points_of_two_entities_at_one_node_are_in_the_groups_of_both() {
+    let text = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n\
+                $Entities\n3 0 1 0\n1 0 0 0 1 5\n2 0 0 0 2 6 7\n3 0 0 0 1 5\n\
+                1 0 0 0 1 1 0 0 0\n$EndEntities\n\
+                $Nodes\n1 3 1 3\n2 1 0 3\n1\n2\n3\n0 0 0\n1 0 0\n0 1 0\n$EndNodes\n\
+                $Elements\n4 4 1 4\n0 1 15 1\n1 1\n0 2 15 1\n2 1\n0 3 15 1\n3 1\n\
+                2 1 2 1\n4 1 2 3\n$EndElements\n";
+    let mesh = read(text.as_bytes()).expect("a mesh");
+    let points = block(&mesh, Kind::Point1);
+    assert_eq!((&points.numbers[..], &points.nodes[..]), (&[1][..], &[0][..]));
+    assert_eq!(groups_of(&mesh, points, 0), ["5", "6", "7"]);
+    // Cells that are there twice stay an error.
+    let text = text.replace("$Elements\n4 4 1 4", "$Elements\n4 5 1 5");
+    let text = text.replace("2 1 2 1\n4 1 2 3", "2 1 2 2\n4 1 2 3\n5 1 2 3");
+    let text = message(text.as_bytes());
+    assert!(text.contains("elements 4 and 5 (triangle of 3 nodes) are the same"), "{text}");
+}
+
+#[test]
 fn one_name_is_one_group_in_each_dimension() {
     let names = |lines: &str, count: usize| {
         let section = format!("{HEAD}$PhysicalNames\n{count}\n{lines}$EndPhysicalNames\n");
