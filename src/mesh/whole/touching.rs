@@ -6,6 +6,7 @@ use super::cells::{Cells, NONE};
 use super::facet::WholeFacet;
 use super::facets::slot;
 use super::plan::Plan;
+use super::view::View;
 use super::words::{count, place, wrong};
 use crate::error::Result;
 
@@ -17,7 +18,9 @@ const INSIDE: f64 = 1e-3;
 const BEYOND: f64 = -1e-9;
 
 /// Refuses nodes that lie on facets of other bodies, unless both are on interfaces `between` two
-/// groups. Nodes at the place of other nodes are not looked for.
+/// groups, or the facet only borders on one: bodies that are flush at the side of an interface that
+/// bends come into each other there by what their facets differ. Nodes at the place of other nodes
+/// are not looked for.
 ///
 /// # Errors
 /// `Input` with their number and the first place.
@@ -48,7 +51,8 @@ pub fn check(cells: &Cells, mates: &[u32], plans: &[Plan]) -> Result<()> {
         let point = cells.points[node as usize];
         let met = tree.meeting(&Extent::of(std::iter::once(point)));
         let touched = met.iter().map(|number| facets[*number as usize]).find(|facet| {
-            let is_told = is_known[node as usize] && known.binary_search(facet).is_ok();
+            let is_told = is_known[node as usize]
+                && (known.binary_search(facet).is_ok() || borders(view, *facet, &is_known));
             bodies[facet.cell as usize] != *body && !is_told && lies_on(cells, *facet, point)
         });
         found.extend(touched.map(|facet| (node, facet)));
@@ -62,6 +66,14 @@ pub fn check(cells: &Cells, mates: &[u32], plans: &[Plan]) -> Result<()> {
         place(cells.points[*node as usize]),
         cells.describe_facet(*facet)
     )))
+}
+
+/// Whether an edge of a facet (in the plane an end) lies on an interface `between` two groups.
+fn borders(view: View<'_>, facet: WholeFacet, is_known: &[bool]) -> bool {
+    let count = view.corner_count(facet);
+    let corners = view.facet_corners(facet);
+    let on = corners[..count].iter().filter(|node| is_known[**node as usize]).count();
+    on >= if count == 2 { 1 } else { 2 }
 }
 
 /// The box of a facet, with what is near it.

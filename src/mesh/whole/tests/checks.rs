@@ -209,6 +209,17 @@ fn bodies_whose_meshes_do_not_match_touch_by_an_interface() {
         by[axis] += 1e-4;
         made(&two(&lower, &upper, by), &request());
     }
+    // Sides that bend, flush at the rim, where the finer one bulges into the other body.
+    let mut lower = block(Kind::Hex8, [1, 1, 1]);
+    group_facets(&mut lower, "top", [0.0, 0.0, 1.0], |p| p[2] == 1.0);
+    let mut upper = block(Kind::Hex8, [2, 1, 1]);
+    group_facets(&mut upper, "bottom", [0.0, 0.0, 1.0], |p| p[2] == 0.0);
+    upper.points.iter_mut().for_each(|p| p[0] *= 0.5);
+    upper.points.iter_mut().filter(|p| p[0] == 0.5 && p[2] == 0.0).for_each(|p| p[2] -= 0.02);
+    let file = two(&lower, &upper, [0.0, 0.0, 1.0]);
+    made(&file, &request_between("top", "bottom"));
+    let text = said(&file, &request());
+    assert_says(&text, &["at the place of another node"]);
     // A node in the middle of a square, which is on the diagonal of its halves.
     let mut upper = block(Kind::Hex8, [1, 1, 1]);
     upper.points.iter_mut().for_each(|point| point[2] += 1.0);
