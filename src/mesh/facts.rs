@@ -30,6 +30,8 @@ pub struct MeshFacts {
     pub section: f64,
     /// The lips of each interface, the lower one first.
     pub interfaces: Vec<[LipFacts; 2]>,
+    /// Of the mesh of a file: what tells it from another one; else 0.
+    pub digest: u64,
     /// The names of the interfaces of the mesh of a file, for messages.
     pub names: Vec<String>,
     /// The pairs of bodies that interfaces join, each once.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::prototype::Prototypes;
-use super::whole::{WholeFacet, WholeInterface, WholeMesh, area, facing, surface_normals};
+use super::whole::{WholeFacet, WholeInterface, WholeMesh, area, digest, facing, surface_normals};
 use super::{
     Directions, Facet, FarFacet, Geometry, Joint, Lip, LipFacts, LipNormal, LocalMesh, Marks,
     MeshFacts, MidNode, Places, Prototype, SurfaceNormal,
@@ -43,6 +43,7 @@ impl WholeMesh {
             nodes_per_cell: self.shapes.iter().map(|shape| shape.nodes()).max().unwrap_or(8),
             section: (nodes as f64).powf(share),
             interfaces: self.interfaces.iter().map(|i| self.lip_facts(i)).collect(),
+            digest: digest(self),
             names: Vec::new(),
             joints: self.joints(),
         }

@@ -3,62 +3,25 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-use serde_json::value::RawValue;
-
+use super::run_state::{FORMAT, LONGEST_CASE, RunState, parse};
+use super::same_model::{difference, digest};
 use crate::case::{Case, Every};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::fault;
 use crate::output::checkpoint::{Checkpoint, NEWEST, Opened, candidates, write};
-use crate::output::directory::first_difference;
 use crate::output::finite::refused;
 use crate::output::history::Table;
 use crate::output::publisher::Publisher;
 use crate::output::series;
 use crate::signals;
-use crate::solve::{MOST_COUNTED, Model, State, StepState};
-
-/// Layout of the file; another one is refused.
-const FORMAT: u32 = 2;
-
-/// The case of a checkpoint is read up to this length (bytes): a case file of the largest size with
-/// every default written out is shorter.
-const LONGEST_CASE: usize = 1 << 23;
+use crate::solve::{Model, State};
 
 /// Checkpoints that nobody has asked for come at most once in so many times what one takes.
 const SELDOM: u32 = 20;
 
 /// The word for the newest checkpoint of the output directory.
 const LATEST: &str = "latest";
-
-/// Everything of a run that is not a field.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RunState {
-    format: u32,
-    /// The program that wrote it.
-    program: String,
-    /// The case with all defaults.
-    case: Box<RawValue>,
-    /// Names of nodes are below this.
-    nodes: u64,
-    /// Secondary nodes of all interfaces.
-    secondary: u64,
-    /// The solution.
-    pub step: StepState,
-    /// Instants that were accepted.
-    pub accepted: usize,
-    /// Corrections and linear iterations up to the last instant.
-    pub counts: [u64; 2],
-    /// 2-norm of the out-of-balance forces at every instant (N).
-    pub residual_norms: Vec<f64>,
-    /// The rows of history.csv.
-    pub history: Table,
-    /// Those with field files.
-    pub fields: Vec<series::Instant>,
-}
 
 /// What a run has done, beside its solution.
 pub struct Progress<'p> {
@@ -132,6 +95,7 @@ impl Keeper {
             case: serde_json::value::to_raw_value(&case.resolved()).map_err(bug)?,
             nodes: all.nodes.total,
             secondary: comm.sum_u64(all.owned_secondary() as u64),
+            mesh: digest(case, model),
             step: state.step,
             accepted: progress.accepted,
             counts: progress.counts,
@@ -245,6 +209,16 @@ impl Restart {
     /// `Input` when none has whole fields of this mesh.
     pub fn resume(self, comm: &Comm, case: &Case, model: &mut Model<'_>) -> Result<RunState> {
         let Self { path, older, opened, state } = self;
+        if let (Some(file), Some(before)) = (case.mesh.file(), &state.mesh)
+            && Some(before) != digest(case, model).as_ref()
+        {
+            return Err(Error::Input(format!(
+                "cannot go on from {}: it is of another mesh than {} holds now: points, cells or \
+                 groups differ; a run goes on with the same model only",
+                path.display(),
+                file.path.display()
+            )));
+        }
         let all = &model.stepper.problem.all;
         let secondary = comm.sum_u64(all.owned_secondary() as u64);
         let dim = all.dim;
@@ -287,113 +261,4 @@ fn longest_description(case: &Case) -> usize {
     // Numbers are written with up to 24 characters, and states that are not stable in a few lines.
     let rows = case.time.len() * (4096 + 32 * case.columns().len());
     2 * LONGEST_CASE + rows
-}
-
-fn parse(path: &Path, meta: &str) -> Result<RunState> {
-    #[derive(Deserialize)]
-    struct Layout {
-        format: Option<u64>,
-    }
-    let wrong =
-        |cause: String| Error::Input(format!("cannot go on from {}: {cause}", path.display()));
-    let Layout { format } = serde_json::from_str(meta).map_err(|cause| wrong(cause.to_string()))?;
-    if format != Some(u64::from(FORMAT)) {
-        let found = format.map_or("none".into(), |f| f.to_string());
-        return Err(wrong(format!("its format is {found}, this program reads {FORMAT}")));
-    }
-    let state: RunState = serde_json::from_str(meta).map_err(|cause| wrong(cause.to_string()))?;
-    state.check().map_err(wrong)?;
-    Ok(state)
-}
-
-impl RunState {
-    /// What in it no run can have written, in words.
-    fn check(&self) -> std::result::Result<(), String> {
-        let (rows, columns) = (&self.history.rows, self.history.columns.len());
-        let count = rows.len();
-        if count != self.accepted
-            || self.residual_norms.len() != count
-            || rows
-                .iter()
-                .any(|row| row.len() != columns || row.first().is_none_or(Option::is_none))
-        {
-            return Err(format!("it has {count} rows for {} instants", self.accepted));
-        }
-        if let Some(count) = self.counts.iter().find(|count| **count > MOST_COUNTED) {
-            return Err(format!("it counts {count} corrections"));
-        }
-        let steps: Vec<usize> = self.fields.iter().map(|instant| instant.step).collect();
-        let rising = steps.windows(2).all(|pair| pair[0] < pair[1]);
-        if !rising || steps.first() == Some(&0) || steps.last() > Some(&self.accepted) {
-            return Err(format!("its field files are not those of {count} instants"));
-        }
-        let words = [&self.step.instabilities, &self.step.bifurcations].into_iter().flatten();
-        if words.chain([&self.program]).any(|text| text.contains(char::is_control)) {
-            return Err("it holds characters that are no text".into());
-        }
-        if self.case.get().len() > LONGEST_CASE {
-            return Err(format!("its case has {} bytes", self.case.get().len()));
-        }
-        self.step.check()
-    }
-}
-
-/// In which of what the solution depends on the case is another one, in words.
-fn difference(state: &RunState, case: &Case) -> Option<String> {
-    let before = match serde_json::from_str(state.case.get()) {
-        Ok(before) => physics(before),
-        Err(cause) => return Some(format!("its case: {cause}")),
-    };
-    // Both have been text, so that equal numbers are equal.
-    let now = physics(serde_json::from_str(&case.resolved().to_string()).unwrap_or_default());
-    if before != now {
-        let key = first_difference(&before, &now);
-        let at = |case: &Value| {
-            let pointer = format!("/{}", key.replace('.', "/"));
-            case.pointer(&pointer).map_or("nothing".into(), Value::to_string)
-        };
-        return Some(format!(
-            "`{key}` is {} there and {} here; a run goes on with the same model only",
-            at(&before),
-            at(&now)
-        ));
-    }
-    if state.history.columns != case.columns() {
-        return Some("its history has other columns; keep interfaces, supports and probes".into());
-    }
-    let times: Vec<f64> = state.history.rows.iter().filter_map(|row| row[0]).collect();
-    if case.time.get(..state.accepted) != Some(&times[..]) {
-        return Some(format!(
-            "it has gone through the instants {times:?}, which time.instants has to begin with"
-        ));
-    }
-    let (time, last) = (state.step.time, times.last().copied().unwrap_or(case.start));
-    let next = case.time.get(state.accepted);
-    if time < last || next.is_some_and(|next| time >= *next) {
-        let next = next.map_or("the end".into(), f64::to_string);
-        return Some(format!("its state is of time {time}, not between {last} and {next}"));
-    }
-    if state.step.load_factor.is_some() != case.control.is_some() {
-        return Some("its load factor is not of this case".into());
-    }
-    None
-}
-
-/// A resolved case without what may change from run to run: how it is solved, what is written and
-/// checked, and the instants.
-fn physics(mut case: Value) -> Value {
-    if let Value::Object(sections) = &mut case {
-        // Of how it is solved this alone changes what is solved.
-        let lumped = sections.get("solver").and_then(|solver| solver.get("lumped_storage"));
-        let lumped = lumped.cloned().unwrap_or(Value::Bool(false));
-        for key in ["title", "solver", "output", "limits", "expect"] {
-            sections.remove(key);
-        }
-        if let Some(Value::Object(time)) = sections.get_mut("time") {
-            time.remove("instants");
-            time.remove("tolerance");
-        }
-        sections.insert("lumped_storage".into(), lumped);
-    }
-    case
 }

@@ -13,6 +13,8 @@ mod page;
 mod probes;
 mod reduced;
 mod resources;
+mod run_state;
+mod same_model;
 mod screen;
 mod session;
 mod solution;

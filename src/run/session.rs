@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use super::checkpoint::{Keeper, Progress, RunState};
+use super::checkpoint::{Keeper, Progress};
 use super::fields::FieldWriter;
+use super::run_state::RunState;
 use super::solution::Solution;
 use super::summary::{Measured, linear_solver, modelled, unused_options};
 use super::{page, probes, screen};

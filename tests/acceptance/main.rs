@@ -5,6 +5,7 @@
 mod common;
 mod any_interface;
 mod any_mesh;
+mod blocks;
 mod branches;
 mod diffusion;
 mod energy;
@@ -38,6 +39,7 @@ mod refinement;
 mod repeat;
 mod restart;
 mod restart_cases;
+mod restart_mesh;
 mod scene;
 mod shipped;
 mod signals;

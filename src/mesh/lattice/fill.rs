@@ -179,6 +179,7 @@ impl Column {
             order,
             nodes_per_cell: bodies().map(|b| self.shape(b).nodes()).max().unwrap_or(8),
             section,
+            digest: 0,
             names: Vec::new(),
             joints: (1..self.bodies())
                 .map(|i| Joint { interface: i - 1, bodies: [i - 1, i] })

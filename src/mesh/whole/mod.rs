@@ -28,11 +28,13 @@ mod bodies;
 mod box_tree;
 mod touching;
 mod build;
+mod digest;
 mod dual;
 #[cfg(test)]
 mod tests;
 
 pub use build::build;
+pub use digest::digest;
 pub use dual::{dual_graph, facing};
 pub use facet::WholeFacet;
 pub use normals::{area, surface_normals};
