@@ -54,7 +54,8 @@ fn facets(model: &Model<'_>, interface: usize) -> (Vec<Shape>, Vec<Vec<u32>>) {
 }
 
 /// Values at the nodes of interfaces; where a component has no multiplier, the traction is the mean
-/// over its facets of the multipliers it was joined to.
+/// over its facets of the multipliers it was joined to, of a surface that bends turned with its
+/// normal.
 pub struct NodalValues {
     dim: usize,
     /// Of the multipliers, at all local nodes (Pa).
@@ -79,17 +80,10 @@ impl NodalValues {
         all.nodes.update_ghosts(&mut traction, dim);
         let mut values = Self { dim, traction, joined: Vec::new(), is_framed };
         let mut joined = vec![0.0; all.nodes.len() * 2 * dim];
-        for facet in grids.iter().flat_map(|grid| &grid.facets) {
-            for c in 0..dim {
-                let kept: Vec<f64> =
-                    facet.iter().filter_map(|n| values.kept(problem, *n, c)).collect();
-                if kept.is_empty() {
-                    continue;
-                }
-                let mean = kept.iter().sum::<f64>() / kept.len() as f64;
-                for node in facet.iter().filter(|n| values.kept(problem, **n, c).is_none()) {
-                    joined[*node as usize * 2 * dim + c] += mean;
-                    joined[*node as usize * 2 * dim + dim + c] += 1.0;
+        for (interface, grid) in grids.iter().enumerate() {
+            for facet in &grid.facets {
+                for c in 0..dim {
+                    values.join(model, interface, facet, c, &mut joined);
                 }
             }
         }
@@ -98,19 +92,47 @@ impl NodalValues {
         values
     }
 
-    /// Component c of the multiplier at a local node, along an axis where nodes have frames; none
-    /// where it has none, in frames not all of them.
-    fn kept(&self, problem: &Problem<'_>, node: u32, c: usize) -> Option<f64> {
+    /// Adds component c of the mean over the multipliers of a facet to the nodes that have none.
+    fn join(
+        &self,
+        model: &Model<'_>,
+        interface: usize,
+        facet: &[u32],
+        c: usize,
+        joined: &mut [f64],
+    ) {
+        let problem = &model.stepper.problem;
+        let kept: Vec<(u32, [f64; 3])> =
+            facet.iter().filter_map(|n| Some((*n, self.kept(problem, *n, c)?))).collect();
+        if kept.is_empty() {
+            return;
+        }
+        let normal = |node: u32| self.normal_of(model, interface, node);
+        for node in facet.iter().filter(|n| self.kept(problem, **n, c).is_none()) {
+            let of = |(other, v): &(u32, [f64; 3])| match self.is_framed {
+                true => turned(*v, normal(*other), normal(*node))[c],
+                false => v[c],
+            };
+            let mean = kept.iter().map(of).sum::<f64>() / kept.len() as f64;
+            joined[*node as usize * 2 * self.dim + c] += mean;
+            joined[*node as usize * 2 * self.dim + self.dim + c] += 1.0;
+        }
+    }
+
+    /// The multiplier at a local node, along the axes where nodes have frames; none where component
+    /// c has none, in frames not all of them.
+    fn kept(&self, problem: &Problem<'_>, node: u32, c: usize) -> Option<[f64; 3]> {
         let (all, dim) = (&problem.all, self.dim);
         let rows = &all.secondary[all.secondary_of[node as usize]? as usize].rows;
         let own = &self.traction[node as usize * dim..][..dim];
         if !self.is_framed {
-            return rows[c].as_ref().map(|_| own[c]);
+            let padded = std::array::from_fn(|c| own.get(c).copied().unwrap_or(0.0));
+            return rows[c].as_ref().map(|_| padded);
         }
         if rows[..dim].iter().any(Option::is_none) {
             return None;
         }
-        Some(along_axes(problem, node, own)[c])
+        Some(along_axes(problem, node, own))
     }
 
     /// Traction at an owned node by component (Pa). Local.
@@ -149,12 +171,16 @@ impl NodalValues {
     pub fn normal(&self, model: &Model<'_>, node: u32) -> [f64; 3] {
         let name = model.stepper.problem.all.nodes.names[node as usize];
         let place = model.mesh.nodes.number(name);
-        let told = place.and_then(|place| {
-            let (interface, _) = model.mesh.nodes.marks[place].lip()?;
-            model.mesh.directions.of_lip(place as u32, interface)
-        });
-        let frames = &model.stepper.problem.all.frames;
-        told.unwrap_or_else(|| frames.rotation(node)[self.dim - 1])
+        let lip = place.and_then(|place| model.mesh.nodes.marks[place].lip());
+        self.normal_of(model, lip.map_or(usize::MAX, |(interface, _)| interface), node)
+    }
+
+    /// The normal of one of the interfaces at a node of this rank's own cells.
+    fn normal_of(&self, model: &Model<'_>, interface: usize, node: u32) -> [f64; 3] {
+        let problem = &model.stepper.problem;
+        let place = model.mesh.nodes.number(problem.all.nodes.names[node as usize]);
+        let told = place.and_then(|p| model.mesh.directions.of_lip(p as u32, interface));
+        told.unwrap_or_else(|| problem.all.frames.rotation(node)[self.dim - 1])
     }
 
     /// The answer of the law at an owned node; none where there is no multiplier. Local.
@@ -165,9 +191,43 @@ impl NodalValues {
     }
 }
 
+/// A vector turned as the normal `to` is from the normal `from`, about the axis across both.
+fn turned(v: [f64; 3], from: [f64; 3], to: [f64; 3]) -> [f64; 3] {
+    let dot = |a: [f64; 3], b: [f64; 3]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+    let whole = 1.0 + dot(from, to);
+    if whole < OPPOSITE {
+        return v;
+    }
+    let sum: [f64; 3] = std::array::from_fn(|i| from[i] + to[i]);
+    let (part, along) = (dot(sum, v) / whole, dot(from, v));
+    std::array::from_fn(|i| v[i] - part * sum[i] + 2.0 * along * to[i])
+}
+
+/// Normals that look against each other say nothing of a turn: 1 and the cosine between them.
+const OPPOSITE: f64 = 1e-6;
+
 /// The components along the axes of a vector in the frame of a node.
 fn along_axes(problem: &Problem<'_>, node: u32, v: &[f64]) -> [f64; 3] {
     let padded = std::array::from_fn(|c| v.get(c).copied().unwrap_or(0.0));
     let frames = &problem.all.frames;
     frames.turned_back(&frames.rotation(node), padded)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_along_one_normal_is_turned_to_be_along_the_other() {
+        let (from, to) = ([0.0, 0.6, 0.8], [0.48, 0.6, 0.64]);
+        let v = turned(from.map(|x| 3.0 * x), from, to);
+        assert!((0..3).all(|i| (v[i] - 3.0 * to[i]).abs() < 1e-15), "{v:?}");
+        // Across both it stays; lengths stay too.
+        let across = [-0.096, 0.384, -0.288];
+        let v = turned(across, from, to);
+        assert!((0..3).all(|i| (v[i] - across[i]).abs() < 1e-15), "{v:?}");
+        let v = turned([1.0, 2.0, 3.0], from, to);
+        assert!((v.iter().map(|x| x * x).sum::<f64>() - 14.0).abs() < 1e-13, "{v:?}");
+        assert_eq!(turned([1.0, 2.0, 0.0], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]), [1.0, 2.0, 0.0]);
+    }
 }

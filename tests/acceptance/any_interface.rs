@@ -1,5 +1,8 @@
 //! Interfaces in meshes from files that lean, cross, branch, end inside and meet supports.
 
+use column_hpc::results::Directory;
+
+use crate::blocks::{Block, Blocks, even};
 use crate::scene::{Run, Scene};
 
 /// A scene on a mesh of `tests/meshes/interfaces`; `rest` holds interfaces, boundary and probes.
@@ -117,7 +120,52 @@ fn facets_that_nothing_would_hold_are_refused() {
 boundary: [{{on: z0, displacement: {{x: 0, y: 0, z: 0}}}}]",
         interfaces.join(", ")
     );
-    let failure = scene("strips", &rest).attempt(2).err().expect("a refusal");
+    let scene = scene("strips", &rest);
+    let failure = scene.attempt(2).err().expect("a refusal");
     assert_eq!(failure.status, Some(2), "{}", failure.complaint);
     assert!(failure.complaint.contains("can carry a traction"), "{}", failure.complaint);
+}
+
+/// A quarter of a ring under a pressure inside; by its symmetry no shear acts between its two
+/// halves, at the supports neither, whose nodes have no multiplier along the interface.
+#[test]
+fn tractions_of_a_bent_interface_are_normal_to_it_at_supports_too() {
+    let mut blocks = Blocks::default();
+    for (name, first, inner, outer) in [("core", 1.0, "bore", "out"), ("hull", 1.5, "in", "skin")] {
+        let radial: Vec<f64> = even(2, 0.5).iter().map(|r| first + r).collect();
+        let planes = [even(6, 1.0), radial];
+        let place = |[part, r, _]: [f64; 3]| {
+            let (sin, cos) = ((1.0 - part) * std::f64::consts::FRAC_PI_2).sin_cos();
+            // Supports are exactly along the axes.
+            [if part == 0.0 { 0.0 } else { r * cos }, if part == 1.0 { 0.0 } else { r * sin }, 0.0]
+        };
+        let sides = [(0, false, "x0"), (0, true, "y0"), (1, false, inner), (1, true, outer)];
+        blocks.add(&Block { name, planes: &planes, order: 2, place: &place, sides: &sides });
+    }
+    let yaml = format!(
+        "
+mesh: {{file: \"{}\"}}
+materials: {{rock: {{on: [core, hull], elastic: {{young_modulus: 5.8e9, poisson_ratio: 0.3}}}}}}
+interfaces: [{{name: joint, between: [out, in], law: {TIED}}}]
+boundary:
+  - {{on: x0, displacement: {{x: 0}}}}
+  - {{on: y0, displacement: {{y: 0}}}}
+  - {{on: bore, traction: {{normal: -1.0e6}}}}
+time: {{instants: [1]}}
+",
+        blocks.write()
+    );
+    for ranks in [1, 3] {
+        let run = Scene::new("ring", &yaml).with_fields().on(ranks);
+        let fields = Directory::open(&run.directory).expect("results");
+        let fields = fields.series("joint").and_then(|series| series.at(1.0)).expect("fields");
+        let normals = fields.at_points("normal").expect("normals");
+        let tractions = fields.at_points("traction").expect("tractions");
+        assert_eq!(normals.rows().len(), 13);
+        for (t, n) in tractions.rows().zip(normals.rows()) {
+            let along: f64 = t.iter().zip(n).map(|(t, n)| t * n).sum();
+            let shear = (0..3).map(|i| (t[i] - along * n[i]).powi(2)).sum::<f64>().sqrt();
+            assert!(along < -2e5 && shear < 1e-3 * along.abs(), "{t:?} along {n:?}");
+        }
+    }
 }
