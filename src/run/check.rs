@@ -8,11 +8,11 @@ use crate::bulk::Loads;
 use crate::case::{self, Case, read_text};
 use crate::error::{Error, Result};
 use crate::interface::{Sides, unresolved_zones};
-use crate::mesh::MeshFamily;
+use crate::mesh::{LocalMesh, MeshFamily};
 use crate::reduce::{NONE_OF_USE, Situation, candidates_in, refusal};
 use crate::solve::model::memory::{memory, pressures};
-use crate::solve::{LinearChoice, strength_factors};
-use crate::space::{AtNode, Prescribed, PrescribedPressure};
+use crate::solve::{LinearChoice, check_fit, strength_factors};
+use crate::space::{AtNode, Prescribed, PrescribedPressure, check_directions};
 
 /// Largest column that the check walks through node by node.
 const MOST_NODES: u64 = 2_000_000;
@@ -42,25 +42,7 @@ pub fn describe(case: &Case) -> Result<String> {
     let choice = LinearChoice::new(case, &facts);
     let sides = Sides::choose(case, &facts);
     if facts.nodes <= MOST_NODES {
-        let times = case.load_times();
-        let mesh = family.whole()?;
-        let prescribed = Prescribed::new(case);
-        let largest = prescribed.largest_value(&mesh.nodes, &times);
-        let checked = largest.and_then(|l| prescribed.check_agreement(&mesh.nodes, &times, l));
-        checked.map_err(|AtNode(_, error)| error)?;
-        Loads::new(case, &mesh).check(&times)?;
-        if case.has_pressure() {
-            let corners = mesh.corners();
-            let checked = PrescribedPressure::new(case).check(corners.nodes.iter(), &times);
-            checked.map_err(|AtNode(_, error)| error)?;
-            Loads::inflow(case, &corners).check(&times)?;
-            Loads::injection(case, &corners).check(&times)?;
-        }
-        let secondary = sides.iter().flat_map(|side| {
-            let own = mesh.nodes.iter().filter(|(_, _, marks)| side.is_secondary(marks));
-            own.map(|(name, point, _)| (side.interface, name, point))
-        });
-        strength_factors(case, secondary).map_err(|AtNode(_, error)| error)?;
+        on_whole_mesh(case, &family.whole()?, &sides)?;
     }
     let bytes = memory(choice.preset, case, &facts, 1);
     let mut text = format!("{}\n", case.title);
@@ -92,6 +74,33 @@ pub fn describe(case: &Case) -> Result<String> {
     line("output", format!("{}", case.output.directory.display()))?;
     text.push_str("the case is right\n");
     Ok(text)
+}
+
+/// What is checked node by node, on the whole mesh. Local.
+fn on_whole_mesh(case: &Case, mesh: &LocalMesh, sides: &[Sides]) -> Result<()> {
+    let times = case.load_times();
+    let prescribed = Prescribed::new(case);
+    let largest = prescribed.largest_value(&mesh.nodes, &times);
+    let checked = largest.and_then(|largest| {
+        prescribed.check_agreement(&mesh.nodes, &times, largest)?;
+        check_directions(mesh, &prescribed, &times, largest)
+    });
+    checked.map_err(|AtNode(_, error)| error)?;
+    Loads::new(case, mesh).check(&times)?;
+    check_fit(case, mesh, sides, &prescribed)?;
+    if case.has_pressure() {
+        let corners = mesh.corners();
+        let checked = PrescribedPressure::new(case).check(corners.nodes.iter(), &times);
+        checked.map_err(|AtNode(_, error)| error)?;
+        Loads::inflow(case, &corners).check(&times)?;
+        Loads::injection(case, &corners).check(&times)?;
+    }
+    let secondary = sides.iter().flat_map(|side| {
+        let own = mesh.nodes.iter().filter(|(_, _, marks)| side.is_secondary(marks));
+        own.map(|(name, point, _)| (side.interface, name, point))
+    });
+    strength_factors(case, secondary).map_err(|AtNode(_, error)| error)?;
+    Ok(())
 }
 
 /// Whether a run would try a smaller model, in words.

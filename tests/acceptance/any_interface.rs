@@ -1,9 +1,11 @@
 //! Interfaces in meshes from files that lean, cross, branch, end inside and meet supports.
 
+use std::process::Command;
+
 use column_hpc::results::Directory;
 
 use crate::blocks::{Block, Blocks, even};
-use crate::scene::{Run, Scene};
+use crate::scene::{PROGRAM, Run, Scene, fresh};
 
 /// A scene on a mesh of `tests/meshes/interfaces`; `rest` holds interfaces, boundary and probes.
 fn scene(mesh: &str, rest: &str) -> Scene {
@@ -124,6 +126,12 @@ boundary: [{{on: z0, displacement: {{x: 0, y: 0, z: 0}}}}]",
     let failure = scene.attempt(2).err().expect("a refusal");
     assert_eq!(failure.status, Some(2), "{}", failure.complaint);
     assert!(failure.complaint.contains("can carry a traction"), "{}", failure.complaint);
+    // The check of the case says it too.
+    let case = &scene.words(&fresh())[0];
+    let checked = Command::new(PROGRAM).args(["check", case]).output().expect("the program");
+    let words = String::from_utf8_lossy(&checked.stderr);
+    assert_eq!(checked.status.code(), Some(2), "{words}");
+    assert!(words.contains("can carry a traction"), "{words}");
 }
 
 /// A quarter of a ring under a pressure inside; by its symmetry no shear acts between its two

@@ -23,19 +23,36 @@ pub fn check(
     if !mesh.is_of_file() {
         return Ok(());
     }
-    loads(comm, case, mesh)?;
+    loads(case, mesh, |count| comm.sum_u64(count))?;
     AtNode::agree(comm, facets(case, mesh, sides, prescribed))
 }
 
-/// Collective.
-fn loads(comm: &Comm, case: &Case, mesh: &LocalMesh) -> Result<()> {
+/// As [`check`], of a mesh that one rank holds whole. Local.
+///
+/// # Errors
+/// As [`check`].
+pub fn check_whole(
+    case: &Case,
+    mesh: &LocalMesh,
+    sides: &[Sides],
+    prescribed: &Prescribed,
+) -> Result<()> {
+    if !mesh.is_of_file() {
+        return Ok(());
+    }
+    loads(case, mesh, |count| count)?;
+    facets(case, mesh, sides, prescribed).map_err(|AtNode(_, error)| error)
+}
+
+/// As local or collective as the `sum` over ranks is.
+fn loads(case: &Case, mesh: &LocalMesh, sum: impl Fn(u64) -> u64) -> Result<()> {
     for (number, entry) in case.boundary.iter().enumerate() {
         let is_load = entry.traction.iter().chain([&entry.normal_traction]).any(Option::is_some);
         if !is_load && entry.normal_displacement.is_none() {
             continue;
         }
         let facets = mesh.on_surface(case.surface_bit(&entry.on)).len();
-        if comm.sum_u64(facets as u64) == 0 {
+        if sum(facets as u64) == 0 {
             let what = if is_load { "a traction" } else { "a displacement along the normal" };
             return Err(Error::Input(format!(
                 "boundary.{number} ({}): {what} acts on facets of the outer surface, of which the \

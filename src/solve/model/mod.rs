@@ -13,6 +13,7 @@ mod special_by_name;
 
 pub use boundary_value_problem::BoundaryValueProblem;
 pub(in crate::solve) use boundary_value_problem::discretize;
+pub use fit::check_whole as check_fit;
 pub use imperfection::strength_factors;
 pub use interfaces::{InterfaceState, NodeResponse};
 pub use linear::{LinearChoice, MULTIGRID};
