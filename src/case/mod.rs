@@ -18,8 +18,8 @@ pub use checks::{InterfaceQuantity, PhysicsDecision};
 pub use schema::schema;
 pub use sections::{BoundarySpec, Cells, ColumnSpec, Expectation, Fields, FileSpec, FilmSpec};
 pub use sections::{Form, Formulation, InterfaceSpec, Linear, Location, Material, MeshSource};
+pub use sections::{Gap, Side, SolverSpec, Stability, Surface, SurfaceBit};
 pub use sections::{MeshSpec, OutputSpec, Porous, Probe, Reduce, column_axes};
-pub use sections::{Side, SolverSpec, Stability, Surface, SurfaceBit};
 
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -51,12 +51,13 @@ const CLOSE: f64 = 1e-6;
 const GAP: f64 = 0.05;
 
 impl Fit {
-    /// Tells how the sides fit, or refuses a gap. `name` is that of the interface. Collective.
+    /// What is to be said of how the sides fit, the same on every rank. `name` is that of the
+    /// interface. Collective.
     ///
     /// # Errors
     /// `Input` when no part has a partner, or the sides are apart by more than a part of the size
     /// of their facets.
-    pub fn tell(self, comm: &Comm, name: &str) -> Result<()> {
+    pub fn words(self, comm: &Comm, name: &str) -> Result<Vec<String>> {
         let (mut apart, mut areas) = (self.apart, self.areas);
         comm.max(&mut apart);
         comm.sum(&mut areas);
@@ -64,34 +65,35 @@ impl Fit {
         if areas[0] > 0.0 && areas[1] == 0.0 {
             return Err(Error::Input(format!(
                 "interface {name}: no facet of one side lies across from one of the other, near \
-                 enough and looking at it; the sides have to lie on each other, and the first group \
+                 enough and looking at it; the sides have to face each other, and the first group \
                  of `between` is the lower side"
             )));
         }
         if part > GAP {
             return Err(Error::Input(format!(
                 "interface {name}: its sides are up to {distance:.3e} m apart, {:.1} % of the size \
-                 of a facet there; initial gaps are not yet available: the sides have to lie on \
-                 each other",
+                 of a facet there, and are to lie on each other: only a contact has a gap at the \
+                 start, unless it is told `gap: closed`",
                 100.0 * part
             )));
         }
-        if part > CLOSE && comm.is_root() {
-            tracing::warn!(
-                "warning: interface {name}: its sides are up to {distance:.3e} m apart and are \
-                 taken for closed there"
-            );
+        let mut words = Vec::new();
+        if part > CLOSE {
+            words.push(format!(
+                "interface {name}: its sides are up to {distance:.3e} m apart and are taken for \
+                 closed there"
+            ));
         }
-        if areas[1] < areas[0] * (1.0 - CLOSE) && comm.is_root() {
-            tracing::warn!(
-                "warning: interface {name}: {:.3} % of its secondary side, {:.4e} of {:.4e} m2, lie \
-                 across from nothing and carry no traction",
+        if areas[1] < areas[0] * (1.0 - CLOSE) {
+            words.push(format!(
+                "interface {name}: {:.3} % of its secondary side, {:.4e} of {:.4e} m2, lie across \
+                 from nothing and carry no traction",
                 100.0 * (1.0 - areas[1] / areas[0]),
                 areas[0] - areas[1],
                 areas[0]
-            );
+            ));
         }
-        Ok(())
+        Ok(words)
     }
 }
 
@@ -186,10 +188,11 @@ fn in_space(
         let primary: Vec<&SpaceFacet> = primary.iter().collect();
         let without = dropped(&names, components, fixed);
         let is_transformed = has_shares && shape.order() == 2;
-        let partners = Partners::Near(&primary);
+        let partners =
+            if side.has_gap { Partners::Across(&primary) } else { Partners::Near(&primary) };
         let rows = facet_rows_in_space(&secondary, partners, &without, is_transformed)?;
         let fit = &mut terms.fits[side.interface];
-        for row in &rows.contributions {
+        for row in rows.contributions.iter().filter(|_| !side.has_gap) {
             let distance = distance(row, &secondary, &primary);
             fit.apart[0] = fit.apart[0].max(distance);
             fit.apart[1] = fit.apart[1].max(distance / secondary.size());

@@ -152,7 +152,8 @@ impl JumpRows<u64> {
 /// The rows of all secondary nodes that this rank's cells touch, by rising name, of a field with so
 /// many components; `fixed` tells which of them carry no multiplier at a node.
 ///
-/// Collective: each rank integrates the facets of its own cells.
+/// With them comes what is to be said of how the sides of the mesh of a file fit each other, the
+/// same on every rank. Collective: each rank integrates the facets of its own cells.
 ///
 /// # Errors
 /// `Input` when the primary side of a lattice does not cover the secondary side.
@@ -163,17 +164,18 @@ pub fn jump_rows(
     components: usize,
     fixed: &dyn Fn(u64) -> [bool; 3],
     directory: &Directory<'_>,
-) -> Result<Vec<JumpRows<u64>>> {
+) -> Result<(Vec<JumpRows<u64>>, Vec<String>)> {
     let mut terms = comm.agree(integrate(mesh, sides, components, fixed))?;
     let mut uncovered = Uncovered::default();
     while uncovered.grow(comm, directory, mesh.facts.order, &terms.shares) {
         let without = |name: u64| if uncovered.contains(name) { [true; 3] } else { fixed(name) };
         terms = comm.agree(integrate(mesh, sides, components, &without))?;
     }
+    let mut remarks = Vec::new();
     if mesh.is_of_file() && components == mesh.dim() {
         for (fit, side) in terms.fits.iter().zip(sides) {
             let name = mesh.facts.names.get(side.interface);
-            fit.tell(comm, name.map_or("", String::as_str))?;
+            remarks.extend(fit.words(comm, name.map_or("", String::as_str))?);
         }
     }
     let terms = terms.list;
@@ -188,7 +190,7 @@ pub fn jump_rows(
         nodes.iter().map(|n| n.0).filter(|n| directory.owned.binary_search(n).is_err()).collect();
     rows.extend(fetch(comm, directory, &rows, &missing));
     rows.sort_by_key(|r| r.node);
-    Ok(rows)
+    Ok((rows, remarks))
 }
 
 /// The terms of the nodes this rank owns, from all ranks. Collective.

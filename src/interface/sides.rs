@@ -10,6 +10,8 @@ pub struct Sides {
     pub interface: usize,
     /// The lip that carries the multipliers.
     pub secondary: Lip,
+    /// Whether the sides may lie apart.
+    pub has_gap: bool,
 }
 
 impl Sides {
@@ -32,7 +34,7 @@ impl Sides {
                 None if lower_is_softer_or_finer => Lip::Lower,
                 _ => Lip::Upper,
             };
-            Self { interface, secondary }
+            Self { interface, secondary, has_gap: spec.has_gap }
         };
         case.interfaces.iter().enumerate().map(choose).collect()
     }

@@ -170,7 +170,8 @@ fn read(case: &Case, file: &FileSpec) -> Result<WholeMesh> {
                 InterfacePlace::On { group: name.clone(), flip: *flip }
             }
             Location::Between([lower, upper]) => {
-                InterfacePlace::Between { lower: lower.clone(), upper: upper.clone() }
+                let [lower, upper] = [lower, upper].map(Clone::clone);
+                InterfacePlace::Between { lower, upper, has_gap: spec.has_gap }
             }
             Location::Height(_) => return Err(Error::Bug("a height in the mesh of a file".into())),
         };

@@ -76,9 +76,7 @@ impl FieldWriter {
             let damage = |n: u32| response(n).map_or(0.0, |of| law.damage(of.history));
             let damage: Vec<f64> = nodes.clone().map(damage).collect();
             let branch = |n: u32| response(n).map_or(0, |of| of.branch as i32);
-            let branch: Vec<i32> = nodes.clone().map(branch).collect();
-            let names: Vec<i64> =
-                nodes.clone().map(|n| problem.all.nodes.names[n as usize] as i64).collect();
+            let branch: Vec<i32> = nodes.map(branch).collect();
             let mut data = vec![
                 Array { name: "traction", components: 3, values: Values::F64(&traction) },
                 Array { name: "jump", components: 3, values: Values::F64(&jump) },
@@ -91,14 +89,9 @@ impl FieldWriter {
                 let values = Values::F64(pressure);
                 Array { name: "pressure", components: 1, values }
             }));
-            let normals = in_space(nodes.clone().map(|n| values.normal(model, n)).collect());
-            let mut known =
-                vec![Array { name: "global_node_id", components: 1, values: Values::I64(&names) }];
-            if case.mesh.file().is_some() {
-                let values = Values::F64(&normals);
-                known.push(Array { name: "normal", components: 3, values });
-            }
-            let fixed = Fixed { grid: &grid, data: Data { points: &known, cells: &[] } };
+            let known = InterfacePoints::new(case, model, &values, index, &side.nodes);
+            let known = &known.arrays();
+            let fixed = Fixed { grid: &grid, data: Data { points: known, cells: &[] } };
             let data = Data { points: &data, cells: &[] };
             series.write(comm, publisher, instant, fixed, data)?;
         }
@@ -164,6 +157,43 @@ impl FieldWriter {
         let data = Data { points: &points, cells: &cells };
         let fixed = Fixed { grid: &grid, data: known };
         self.bulk.write(comm, publisher, instant, fixed, data)
+    }
+}
+
+/// What the points of an interface have at all times.
+struct InterfacePoints {
+    names: Vec<i64>,
+    /// In the mesh of a file.
+    normals: Option<Vec<f64>>,
+    /// Where the sides may lie apart (m).
+    gaps: Option<Vec<f64>>,
+}
+
+impl InterfacePoints {
+    fn new(
+        case: &Case,
+        model: &Model<'_>,
+        values: &NodalValues,
+        interface: usize,
+        nodes: &[u32],
+    ) -> Self {
+        let all = &model.stepper.problem.all;
+        let normal = |n: &u32| in_space(values.normal(model, *n), case.axes);
+        let is_of_file = case.mesh.file().is_some();
+        let has_gap = case.interfaces[interface].has_gap;
+        Self {
+            names: nodes.iter().map(|n| all.nodes.names[*n as usize] as i64).collect(),
+            normals: is_of_file.then(|| nodes.iter().flat_map(normal).collect()),
+            gaps: has_gap.then(|| nodes.iter().map(|n| values.gap(model, *n)).collect()),
+        }
+    }
+
+    fn arrays(&self) -> Vec<Array<'_>> {
+        let array = |name, components, values| Array { name, components, values };
+        let mut arrays = vec![array("global_node_id", 1, Values::I64(&self.names))];
+        arrays.extend(self.normals.iter().map(|of| array("normal", 3, Values::F64(of))));
+        arrays.extend(self.gaps.iter().map(|of| array("initial_gap", 1, Values::F64(of))));
+        arrays
     }
 }
 

@@ -166,6 +166,13 @@ impl NodalValues {
         along_axes(&model.stepper.problem, node, &jump[..self.dim])
     }
 
+    /// The gap at an owned node before anything moves (m), 0 where there is no multiplier. Local.
+    pub fn gap(&self, model: &Model<'_>, node: u32) -> f64 {
+        let problem = &model.stepper.problem;
+        let index = problem.all.secondary_of[node as usize];
+        index.and_then(|i| problem.interfaces.gaps.get(i as usize).copied()).unwrap_or(0.0)
+    }
+
     /// The normal of the interface at an owned node by component, from the lower to the upper side.
     /// Local.
     pub fn normal(&self, model: &Model<'_>, node: u32) -> [f64; 3] {

@@ -9,7 +9,9 @@ use super::flow::setup::{MECHANICS, Mechanics, couple, known_pressure};
 use super::model::interfaces::{InterfaceState, JointLaw};
 use super::model::linear::{LinearChoice, LinearTarget, MULTIGRID};
 use super::model::near_null_space::rigid_motions;
-use super::model::{BoundaryValueProblem, discretize, strength_factors};
+use super::model::{
+    BoundaryValueProblem, NodeData, discretize, gaps, gaps_in_words, strength_factors,
+};
 use super::problem::convergence::Convergence;
 use super::problem::path::PathControl;
 use super::problem::saddle::SaddlePoint;
@@ -56,10 +58,10 @@ pub fn build<'a>(
     coarser: Vec<LocalMesh>,
 ) -> Result<Model<'a>> {
     let comm = &runtime.comm;
-    let BoundaryValueProblem { mesh, all, sides, supports, loads } = problem;
-    let dim = case.dim;
-    let unknowns = all.nodes.total * dim as u64;
+    let BoundaryValueProblem { mesh, all, sides, supports, loads, mut remarks } = problem;
+    let (dim, unknowns) = (case.dim, all.nodes.total * case.dim as u64);
     let interfaces = interfaces(comm, case, &mesh, &sides, &all)?;
+    remarks.extend(gaps_in_words(comm, case, &all, &interfaces.gaps));
     let tolerance = case.solver.tolerance * share_of_corners(&mesh.facts);
     let convergence = convergence(case, tolerance);
 
@@ -102,7 +104,8 @@ pub fn build<'a>(
         |control: &Control| PathControl::new(control.clone(), control.words(&case.interfaces));
     problem.known_pressure = known_pressure;
     problem.path = case.control.as_ref().map(path);
-    let stepper = Stepper::new(case, problem, snes, saddle, coupling, x, supports);
+    let mut stepper = Stepper::new(case, problem, snes, saddle, coupling, x, supports);
+    stepper.remarks = remarks;
     let pressures = stepper.coupling.as_ref().map_or(0, |c| c.flow.space.nodes.total);
     Ok(Model { stepper, mesh, sides, choice, unknowns: unknowns + pressures })
 }
@@ -129,7 +132,8 @@ fn interfaces(
         (rows.interface, all.nodes.names[node], all.nodes.points[node])
     });
     let factors = AtNode::agree(comm, strength_factors(case, places))?;
-    let mut state = InterfaceState::new(case.dim, joint_laws(case, mesh, sides), factors);
+    let nodes = NodeData { factors, gaps: gaps(all, sides, case.axes) };
+    let mut state = InterfaceState::new(all, joint_laws(case, mesh, sides), nodes);
     state.is_gradual = case.interfaces.iter().any(|i| i.film.is_some());
     Ok(state)
 }
@@ -162,7 +166,7 @@ fn levels(
     }
     let mut below: Option<LocalMesh> = None;
     for mesh in coarser {
-        let all = Rc::new(discretize(comm, case, &mesh, sides)?);
+        let all = Rc::new(discretize(comm, case, &mesh, sides)?.0);
         levels.push(level(&mesh, all, below.as_ref()));
         below = Some(mesh);
     }

@@ -19,6 +19,7 @@ mod fluid;
 #[allow(dead_code)] // as above
 mod faults;
 mod gallery;
+mod gaps;
 mod grid;
 
 mod kills;

@@ -3,7 +3,7 @@
 use super::BULK;
 use super::checker::Checker;
 use crate::case::sections::file::{CaseFile, InterfaceSection};
-use crate::case::{InterfaceSpec, LawSpec, Location, MeshSpec};
+use crate::case::{Gap, InterfaceSpec, LawSpec, Location, MeshSpec};
 use crate::error::number_text;
 
 /// What lies below the next interface of a column: the height of the interface before (m), and
@@ -30,9 +30,11 @@ impl Checker<'_> {
                 self.location_in_column(&path, section, &mut heights)
             };
             self.law(&format!("{path}.law"), &section.law);
+            let may_gape = self.may_gape(&path, section);
             let mut interface = InterfaceSpec {
                 name: section.name.clone(),
                 location,
+                has_gap: may_gape && section.gap != Some(Gap::Closed),
                 law: section.law.clone(),
                 secondary: section.secondary,
                 fluid_pressure: None,
@@ -116,6 +118,17 @@ impl Checker<'_> {
                 Location::Group { name: String::new(), flip: section.flip }
             }
         }
+    }
+
+    /// Whether an initial gap can count: what is bonded is joined as it is drawn.
+    fn may_gape(&mut self, path: &str, section: &InterfaceSection) -> bool {
+        let may_gape = section.between.is_some() && matches!(section.law, LawSpec::Contact(_));
+        if section.gap.is_some() && !may_gape {
+            let reason = "is for contact between two groups of a mesh file; other laws join sides \
+                          that lie on each other";
+            self.add(&format!("{path}.gap"), reason);
+        }
+        may_gape
     }
 
     /// A group of facets belongs to one side of one interface.

@@ -12,7 +12,7 @@ use super::quantity::{
     CheckpointSection, FactorSection, FluidSection, ImperfectionSection, InitialSection,
     LimitsSection, Quantity,
 };
-use super::{Formulation, Porous, Reduce, Side, SolverSpec, Surface};
+use super::{Formulation, Gap, Porous, Reduce, Side, SolverSpec, Surface};
 use crate::law::LawSpec;
 
 impl CaseFile {
@@ -196,13 +196,14 @@ impl InterfaceSection {
     }
 
     fn nowhere(name: String, law: LawSpec) -> Self {
-        let (z, on, between) = (None, None, None);
-        Self { name, z, on, flip: false, between, law, secondary: None, fluid: None }
+        let (z, on, between, gap) = (None, None, None, None);
+        Self { name, z, on, flip: false, between, gap, law, secondary: None, fluid: None }
     }
 }
 
 setters! { InterfaceSection:
     flip = bool => flip, "With the normal of its group turned, or not.";
+    gap = Gap => Some(gap), "With an initial gap of a contact as drawn, or closed.";
     secondary = Side => Some(secondary), "With multipliers on this side.";
     fluid = FluidSection => Some(fluid), "With fluid between the lips.";
 }

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::quantity::{CheckpointSection, FluidSection, InitialSection, LimitsSection, Quantity};
-use super::{Formulation, Porous, Reduce, Side, SolverSpec, Surface};
+use super::{Formulation, Gap, Porous, Reduce, Side, SolverSpec, Surface};
 use crate::law::LawSpec;
 
 /// Case file of column-hpc. All units are SI; z points up.
@@ -192,6 +192,9 @@ pub struct InterfaceSection {
     /// Two groups of facets of a mesh file that share no nodes: the lower side, then the upper one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub between: Option<[String; 2]>,
+    /// What becomes of an initial gap between the two groups of a contact.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gap: Option<Gap>,
     /// What relates traction and jump.
     pub law: LawSpec,
     /// The side that carries the multipliers; default: the solver's choice.

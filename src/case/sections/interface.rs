@@ -13,6 +13,8 @@ pub struct InterfaceSpec {
     pub name: String,
     /// Where it is.
     pub location: Location,
+    /// Whether the distance of its sides in the mesh counts as a gap at the start.
+    pub has_gap: bool,
     /// What relates traction and jump.
     pub law: LawSpec,
     /// The side that carries the multipliers; `None`: the solver's choice.
@@ -58,6 +60,16 @@ impl InterfaceSpec {
             Location::Between([lower, upper]) => format!("between {lower} and {upper}"),
         }
     }
+}
+
+/// What becomes of an initial gap between two groups.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Gap {
+    /// The distance of the two sides in the mesh counts.
+    AsDrawn,
+    /// The sides are taken for lying on each other.
+    Closed,
 }
 
 /// Fluid that flows along an interface.

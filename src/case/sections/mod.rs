@@ -53,7 +53,7 @@ pub use file::{
     InterfaceSection, MaterialSection, MeshSection, OpeningSection, OutputSection, Physics,
     ProbeSection, TimeSection,
 };
-pub use interface::{FilmSpec, InterfaceSpec, Location, Side};
+pub use interface::{FilmSpec, Gap, InterfaceSpec, Location, Side};
 pub use material::{Material, Porous};
 pub use mesh::{
     Cells, ColumnSpec, FileSpec, Formulation, MeshSource, MeshSpec, column_axes, file_axes,

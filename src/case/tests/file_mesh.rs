@@ -252,6 +252,11 @@ fn a_mistake_in_a_case_with_a_mesh_file_is_told() {
         ),
         ("interfaces.1.between=[a, cut]", "interfaces.1.between names `cut`, on which joint is"),
         (
+            "interfaces.1.gap=as_drawn",
+            "interfaces.1.gap is for contact between two groups of a mesh file; other laws join \
+             sides that lie on each other",
+        ),
+        (
             "interfaces.1.flip=true",
             "interfaces.1.flip turns the normal of a group that is given by on; of between the \
              first group is the lower side",

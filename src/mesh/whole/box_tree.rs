@@ -39,6 +39,17 @@ impl Extent {
         Self { low: self.low.map(|x| x - by), high: self.high.map(|x| x + by) }
     }
 
+    /// The same so far (m) in the direction of a unit vector.
+    pub fn moved(self, by: f64, along: [f64; 3]) -> Self {
+        let moved = |x: [f64; 3]| std::array::from_fn(|i| x[i] + by * along[i]);
+        Self { low: moved(self.low), high: moved(self.high) }
+    }
+
+    /// That of some extents.
+    pub fn around(parts: &[Self]) -> Self {
+        Self::of(parts.iter().flat_map(|part| [part.low, part.high]))
+    }
+
     /// Length of the diagonal.
     pub fn diagonal(&self) -> f64 {
         (0..3).map(|i| (self.high[i] - self.low[i]).powi(2)).sum::<f64>().sqrt()

@@ -1,19 +1,14 @@
 //! The dual graph of a whole mesh.
 
-use super::box_tree::{BoxTree, Extent};
-use super::facet::WholeFacet;
+use super::across::facing;
 use super::facets::{FacetTable, of_slot};
-use super::types::{WholeInterface, WholeMesh};
+use super::types::WholeMesh;
 use crate::mesh::DualGraph;
 
 /// Weight of the edge between two cells that share a facet.
 const SHARED: i32 = 1;
 /// Weight of the edge between two cells that face each other across an interface.
 const FACING: i32 = 4;
-/// How far apart facets of an interface between two groups may face each other, against the
-/// diagonal of the lower one.
-const REACH: f64 = 0.1;
-
 /// An edge, seen from the first of its cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Edge {
@@ -24,7 +19,7 @@ struct Edge {
 
 /// The graph of all cells: those that share a facet (weight 1), and those with facets that face
 /// each other across an interface (weight 4 for each pair of facets): of one `on` a group its
-/// pairs, of one `between` two groups all whose boxes meet. The work of a cell is its number of
+/// pairs, of one `between` two groups all that may. The work of a cell is its number of
 /// nodes. Every edge is told by both its cells with the same weight; neighbours rise.
 ///
 /// # Parallel
@@ -52,22 +47,6 @@ pub fn dual_graph(mesh: &WholeMesh) -> DualGraph {
         }
     }
     compressed(mesh, edges)
-}
-
-/// Facets of the lower and the upper lip whose boxes meet.
-pub fn facing(mesh: &WholeMesh, interface: &WholeInterface) -> Vec<[WholeFacet; 2]> {
-    let of = |facet: WholeFacet| {
-        Extent::of(mesh.facet_nodes(facet).map(|node| mesh.points[node as usize]))
-    };
-    let [lower, upper] = &interface.lips;
-    let tree = BoxTree::new(upper.iter().map(|facet| of(*facet)).collect());
-    let mut pairs = Vec::new();
-    for facet in lower {
-        let extent = of(*facet);
-        let met = tree.meeting(&extent.grown(REACH * extent.diagonal()));
-        pairs.extend(met.into_iter().map(|other| [*facet, upper[other as usize]]));
-    }
-    pairs
 }
 
 /// The edges by their first cells; those between the same cells add up.

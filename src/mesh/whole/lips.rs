@@ -5,7 +5,7 @@ use super::cut::Copies;
 use super::facet::WholeFacet;
 use super::normals::{Measure, averaged};
 use super::plan::Plan;
-use super::request::InterfaceRequest;
+use super::request::{InterfacePlace, InterfaceRequest};
 use super::types::{Facing, MAX_FACET_NODES, WholeInterface};
 use super::view::View;
 use super::words::{count, place, wrong};
@@ -51,7 +51,9 @@ pub fn make(
         } else {
             normals_of_sides(view, &plan)
         };
-        interfaces.push(WholeInterface { lips: plan.lips, faces, tips, junctions, normals });
+        let has_gap = matches!(request.place, InterfacePlace::Between { has_gap: true, .. });
+        let lips = plan.lips;
+        interfaces.push(WholeInterface { lips, faces, tips, junctions, has_gap, normals });
     }
     Ok(interfaces)
 }

@@ -28,14 +28,16 @@ mod bodies;
 mod box_tree;
 mod touching;
 mod build;
+mod across;
 mod digest;
 mod dual;
 #[cfg(test)]
 mod tests;
 
+pub use across::facing;
 pub use build::build;
 pub use digest::digest;
-pub use dual::{dual_graph, facing};
+pub use dual::dual_graph;
 pub use facet::WholeFacet;
 pub use normals::{area, surface_normals};
 pub use request::{InterfacePlace, InterfaceRequest, MaterialGroups, Request};

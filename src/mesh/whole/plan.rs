@@ -44,7 +44,7 @@ pub fn plan(
         let name = &request.name;
         let plan = match &request.place {
             InterfacePlace::On { group, flip } => plan_on(known, name, group, *flip, remarks)?,
-            InterfacePlace::Between { lower, upper } => {
+            InterfacePlace::Between { lower, upper, .. } => {
                 let lower = boundary(known, name, lower)?;
                 let upper = boundary(known, name, upper)?;
                 check_apart(known.cells, name, [&lower, &upper])?;

@@ -52,5 +52,7 @@ pub enum InterfacePlace {
         lower: String,
         /// The group of the facets of the upper side.
         upper: String,
+        /// Whether the sides may lie apart.
+        has_gap: bool,
     },
 }

@@ -63,6 +63,8 @@ pub struct WholeInterface {
     pub tips: Vec<u32>,
     /// Copies, on the lips, of nodes where interfaces or branches of one meet or cross, rising.
     pub junctions: Vec<u32>,
+    /// Whether the lips may lie apart: sides that face each other across a gap belong together.
+    pub has_gap: bool,
     /// Unit normal at each node of both lips, by rising node. It points from the lower lip to the
     /// upper one, and is the same at all copies of a node.
     pub normals: Vec<(u32, [f64; 3])>,

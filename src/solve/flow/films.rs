@@ -35,7 +35,8 @@ pub(in crate::solve) fn tie_rows(
         let node = nodes.number(name).expect("a corner of the rank's own cell");
         [pressures.prescribed.entry_of(&nodes.marks[node]).is_some(), false, false]
     };
-    jump_rows(comm, pressures.corners, &sides, 1, &fixed, directory)
+    let (rows, _) = jump_rows(comm, pressures.corners, &sides, 1, &fixed, directory)?;
+    Ok(rows)
 }
 
 /// Pressure nodes that this rank needs beside those of its cells: what `rows` extend over, and the

@@ -27,6 +27,8 @@ pub struct BoundaryValueProblem {
     pub supports: Supports,
     /// Loads on the bulk.
     pub loads: Loads,
+    /// What is to be said of it, in words; the same on every rank.
+    pub remarks: Vec<String>,
 }
 
 impl BoundaryValueProblem {
@@ -47,7 +49,9 @@ impl BoundaryValueProblem {
         comm.agree(loads.check(&times))?;
         let sides = Sides::choose(case, &mesh.facts);
         fit::check(comm, case, &mesh, &sides, &prescribed)?;
-        let all = Rc::new(discretize(comm, case, &mesh, &sides)?);
+        let (all, remarks) = discretize(comm, case, &mesh, &sides)?;
+        remarks.iter().for_each(|words| tracing::warn!("warning: {words}"));
+        let all = Rc::new(all);
         let unknowns = all.nodes.total * case.dim as u64;
         if i32::try_from(unknowns).is_err() {
             return Err(Error::Input(format!(
@@ -60,17 +64,18 @@ impl BoundaryValueProblem {
             let local = all.nodes.local(mesh.nodes.names[special.node as usize]);
             special.node = local.expect("a node of the rank's own cell");
         }
-        Ok(Self { mesh, all, sides, supports: Supports::new(prescribed, special), loads })
+        let supports = Supports::new(prescribed, special);
+        Ok(Self { mesh, all, sides, supports, loads, remarks })
     }
 }
 
-/// Nodes, cells and jump rows of a mesh. Collective.
+/// Nodes, cells and jump rows of a mesh, and what is to be said of them. Collective.
 pub(in crate::solve) fn discretize(
     comm: &Comm,
     case: &Case,
     mesh: &LocalMesh,
     sides: &[Sides],
-) -> Result<Discretization> {
+) -> Result<(Discretization, Vec<String>)> {
     let prescribed = Prescribed::new(case);
     let names = &mesh.nodes.names;
     let directory = Directory::new(comm, mesh.facts.nodes, names);
@@ -85,7 +90,7 @@ pub(in crate::solve) fn discretize(
             None => prescribed.components_of(marks),
         }
     };
-    let rows = jump_rows(comm, mesh, sides, case.dim, &without, &directory)?;
+    let (rows, remarks) = jump_rows(comm, mesh, sides, case.dim, &without, &directory)?;
     let mut needed = names.clone();
     needed.extend(rows.iter().flat_map(|rows| rows.names_of_others()));
     let known = SpecialByName::new(comm, &directory, mesh, &special, &mut needed);
@@ -98,7 +103,7 @@ pub(in crate::solve) fn discretize(
     };
     let fixed = nodes.names.iter().enumerate().map(fixed).collect();
     let cells = cells(case, mesh, &nodes);
-    Ok(Discretization::new(case.dim, cells, nodes, frames, fixed, rows))
+    Ok((Discretization::new(case.dim, cells, nodes, frames, fixed, rows), remarks))
 }
 
 fn cells(case: &Case, mesh: &LocalMesh, nodes: &Nodes) -> Cells {

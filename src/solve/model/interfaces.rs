@@ -1,5 +1,6 @@
 //! The state of the secondary nodes: tractions, jumps, branches and history.
 
+use super::gaps::NodeData;
 use crate::assembly::{Discretization, NodeState};
 use crate::comm::Comm;
 use crate::interface::{JumpRow, JumpRows};
@@ -10,7 +11,7 @@ use crate::law::{Branch, InterfaceLaw, LawSpec, Local, Response};
 pub struct NodeResponse {
     /// Traction that the bulk transmits (Pa); 0 where the component has no multiplier.
     pub bulk_traction: [f64; 3],
-    /// Jump of the displacement (m).
+    /// Jump of the displacement, and of its normal component also the gap at the start (m).
     pub jump: [f64; 3],
     /// Jump that differs from the one the law asks for (m): zero at the solution.
     pub defect: [f64; 3],
@@ -123,6 +124,8 @@ pub struct InterfaceState {
     pub laws: Vec<JointLaw>,
     /// What strength and fracture energy of the interface are multiplied by at each node.
     pub factors: Vec<f64>,
+    /// Gap at each node before anything moves, along the normal (m).
+    pub gaps: Vec<f64>,
     /// Largest equivalent jump at the last accepted state (m).
     pub committed: Vec<f64>,
     /// Energy per area dissipated up to the last accepted state (J/m2).
@@ -145,8 +148,9 @@ pub struct InterfaceState {
 }
 
 impl InterfaceState {
-    /// The undamaged, unloaded state of the owned nodes, whose imperfections are `factors`.
-    pub fn new(dim: usize, laws: Vec<JointLaw>, factors: Vec<f64>) -> Self {
+    /// The undamaged, unloaded state of the owned nodes, of which `nodes` tells.
+    pub fn new(all: &Discretization, laws: Vec<JointLaw>, nodes: NodeData) -> Self {
+        let NodeData { factors, gaps } = nodes;
         let owned = factors.len();
         let rest = NodeResponse {
             bulk_traction: [0.0; 3],
@@ -159,21 +163,26 @@ impl InterfaceState {
             branch: Branch::Stick,
             history: 0.0,
         };
-        let (committed, dissipated) = (vec![0.0; owned], vec![0.0; owned]);
-        let response = vec![rest; owned];
-        Self {
-            dim,
+        let mut state = Self {
+            dim: all.dim,
             laws,
             factors,
-            committed,
-            dissipated,
-            accepted: vec![[0.0; 3]; owned],
-            base: vec![[0.0; 3]; owned],
-            response,
+            gaps,
+            committed: vec![0.0; owned],
+            dissipated: vec![0.0; owned],
+            accepted: Vec::new(),
+            base: Vec::new(),
+            response: vec![rest; owned],
             overstress: 1.0,
             damping: None,
             is_gradual: false,
+        };
+        for (response, gap) in state.response.iter_mut().zip(&state.gaps) {
+            response.jump[all.dim - 1] = *gap;
         }
+        state.accepted = (0..owned).map(|index| state.augmented(all, index)).collect();
+        state.base.clone_from(&state.accepted);
+        state
     }
 
     /// The law at the secondary node of an index, which `rows` belong to. Local.
@@ -202,6 +211,9 @@ impl InterfaceState {
                     traction[c] = given(index, c, row);
                     jump[c] = row.trace(rows.own(c), |unknown| u[unknown as usize]);
                 }
+            }
+            if self.gaps[index] != 0.0 {
+                jump[dim - 1] += self.gaps[index];
             }
             let (damping, from) = match &self.damping {
                 Some(damping) => (damping.stiffness, damping.from[index]),

@@ -2,6 +2,7 @@
 
 mod boundary_value_problem;
 mod fit;
+mod gaps;
 pub(crate) mod held_bodies;
 mod imperfection;
 pub(in crate::solve) mod interfaces;
@@ -14,6 +15,8 @@ mod special_by_name;
 pub use boundary_value_problem::BoundaryValueProblem;
 pub(in crate::solve) use boundary_value_problem::discretize;
 pub use fit::check_whole as check_fit;
+pub use gaps::NodeData;
+pub(in crate::solve) use gaps::{gaps, gaps_in_words};
 pub use imperfection::strength_factors;
 pub use interfaces::{InterfaceState, NodeResponse};
 pub use linear::{LinearChoice, MULTIGRID};

@@ -18,8 +18,11 @@ pub enum Partners<'a> {
         order: &'a [usize],
     },
     /// All facets that may overlap it, each once (see [`super::candidates_in_space`]). One that has
-    /// its nodes at the same places is taken for its twin.
+    /// its nodes at the same places is taken for its twin. Those that are farther away than the
+    /// size of either facet do not count.
     Near(&'a [&'a SpaceFacet]),
+    /// The same however far away they are.
+    Across(&'a [&'a SpaceFacet]),
 }
 
 /// What one secondary facet contributes, and how much of it found a partner.
@@ -133,8 +136,12 @@ pub fn facet_rows_in_space(
         let found = rows(&rule, &Opposite::Twin(twins));
         return Ok(covers(&rule, found.ok_or_else(|| bad(secondary, "is turned in"))?));
     }
-    let Partners::Near(primaries) = partners else { unreachable!("twins have been taken") };
-    let segments = overlaps(secondary, primaries)
+    let (primaries, any_distance) = match partners {
+        Partners::Near(primaries) => (primaries, false),
+        Partners::Across(primaries) => (primaries, true),
+        Partners::Twin { .. } => unreachable!("twins have been taken"),
+    };
+    let segments = overlaps(secondary, primaries, any_distance)
         .ok_or_else(|| bad(secondary, "or one across from it is turned in"))?;
     let points = points_of(&segments);
     let part = points.iter().map(|p| p.weight).sum::<f64>() / area;
@@ -159,7 +166,7 @@ fn twins(secondary: &SpaceFacet, partners: &Partners) -> Option<Vec<u64>> {
     };
     match partners {
         Partners::Twin { facet, order } => Some(named(facet, order)),
-        Partners::Near(primaries) => {
+        Partners::Near(primaries) | Partners::Across(primaries) => {
             primaries.iter().find_map(|p| secondary.matching_nodes(p).map(|order| named(p, &order)))
         }
     }

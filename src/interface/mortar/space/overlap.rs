@@ -39,19 +39,20 @@ struct Overlap<'a> {
 /// one that faces it, is turned in so that its points cannot be located.
 ///
 /// Each piece of the secondary facet looks along its own normal. Primary facets that do not look
-/// against it, are farther away than its size (or than their own), or lie behind others are passed
-/// over.
+/// against it or lie behind others are passed over, and those that are farther away than its size
+/// and their own, unless they count at `any_distance`.
 pub fn overlaps<'a>(
     secondary: &SpaceFacet,
     primaries: &[&'a SpaceFacet],
+    any_distance: bool,
 ) -> Option<Vec<Segment<'a>>> {
     let sides: Vec<(&SpaceFacet, Vec<Piece>)> =
         primaries.iter().filter_map(|p| Some((*p, Piece::of(p)?))).collect();
     let mut segments: Vec<Segment<'a>> = Vec::new();
     for piece in Piece::of(secondary)? {
         let plane = piece.plane()?;
-        let view =
-            View { secondary, piece, plane, shadow: plane.shadow(piece.shape(), piece.corners()) };
+        let shadow = plane.shadow(piece.shape(), piece.corners());
+        let view = View { secondary, piece, plane, shadow, any_distance };
         let mut seen: Vec<Overlap<'a>> = Vec::new();
         for (primary, pieces) in &sides {
             seen.extend(pieces.iter().filter_map(|piece| view.overlap(primary, piece)));
@@ -78,6 +79,8 @@ struct View<'s> {
     plane: Plane,
     /// The piece in its plane.
     shadow: Shadow,
+    /// Whether facets count however far away they are.
+    any_distance: bool,
 }
 
 impl View<'_> {
@@ -94,7 +97,7 @@ impl View<'_> {
         let distance = dot(above, other.normal()) / cosine;
         let reach = self.secondary.size().max(primary.size());
         let overlap = Overlap { primary, piece: *other, polygon, distance: distance.abs() };
-        (overlap.distance <= reach).then_some(overlap)
+        (self.any_distance || overlap.distance <= reach).then_some(overlap)
     }
 
     /// The integration points of an overlap.

@@ -200,7 +200,8 @@ pub fn request_on(groups: &[&str]) -> Request {
 
 /// The same with one interface between two groups.
 pub fn request_between(lower: &str, upper: &str) -> Request {
-    let place = InterfacePlace::Between { lower: lower.into(), upper: upper.into() };
+    let place =
+        InterfacePlace::Between { lower: lower.into(), upper: upper.into(), has_gap: false };
     let interfaces = vec![InterfaceRequest { name: "bed".into(), place }];
     Request { interfaces, ..request() }
 }
