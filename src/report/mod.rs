@@ -50,7 +50,8 @@ pub struct Report {
     /// The accepted states that are not unique, in words: which was taken, and what else there is.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub bifurcations: Vec<String>,
-    /// What is to be said of the steps of the flow, in words.
+    /// What else is to be said, in words: of the mesh and of the fit of its surfaces, of interfaces
+    /// and steps.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub remarks: Vec<String>,
     /// The linear solver.

@@ -64,6 +64,8 @@ pub fn carry_out(
     // The mesh of a file tells its dimension.
     let case = &comm.agree(case.clone().for_dimension(family.facts().dim))?;
     family.remarks.iter().for_each(|words| tracing::info!("mesh       {words}"));
+    let of_mesh: Vec<String> =
+        family.remarks.iter().map(|words| format!("mesh: {words}")).collect();
     let restart = match output {
         Some(Output { directory, restart: Some(word), .. }) => {
             Some(Restart::open(comm, word, directory, case)?)
@@ -91,7 +93,9 @@ pub fn carry_out(
     screen::describe(comm, case, &model, solution.reduction());
     let unresolved = solution.unresolved_zones(case, &model);
     unresolved.iter().for_each(|words| tracing::warn!("warning: {words}"));
-    model.stepper.remarks.extend(unresolved);
+    let remarks = &mut model.stepper.remarks;
+    remarks.splice(..0, of_mesh);
+    remarks.extend(unresolved);
     let mut session = Session::new(comm, timers, case, directory, state, solution);
     let solved = session.solve(&mut model);
     session.close(runtime, &model, solved, output.is_some_and(|output| output.page))

@@ -118,7 +118,12 @@ fn prisms_of_second_order() {
 #[test]
 fn tetrahedra_that_do_not_match() {
     let scene = column("tet4-apart", APART);
-    check(&scene.on(1));
+    let run = scene.on(1);
+    check(&run);
+    // What the reader of the mesh says is in the report.
+    let told = run.told("remarks");
+    let is_told = |words: &String| words.starts_with("mesh: ") && words.contains("raise_order");
+    assert!(told.iter().any(is_told), "{told:?}");
     check(&scene.scattered().on(3));
 }
 
