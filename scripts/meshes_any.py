@@ -6,8 +6,8 @@
 
 The files stay in the repository: the tests read them without Gmsh. Turned: the reference column of
 1 x 1 x 5 m of two blocks, of cells of all kinds, turned by 30 degrees about (1, 2, 3). Interfaces:
-blocks with interfaces that cross, branch and end inside. (leaning.msh and strips.msh there were
-written by hand: two and three hexahedra.)
+blocks with interfaces that cross, branch and end inside. (leaning.msh, strips.msh, rollers.msh and
+corner.msh there were written otherwise, of few cells each.)
 """
 
 import math

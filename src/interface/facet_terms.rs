@@ -9,7 +9,7 @@ use super::sides::Sides;
 use crate::comm::Comm;
 use crate::element::Shape;
 use crate::error::{Error, Result};
-use crate::mesh::LocalMesh;
+use crate::mesh::{Facet, FarFacet, LocalMesh};
 use crate::space::Directory;
 
 /// Marks the weight among the coefficients of a row.
@@ -99,7 +99,7 @@ impl Fit {
 
 impl Terms {
     /// Adds what a facet contributes to the rows of a node.
-    fn add(&mut self, side: &Sides, components: usize, row: &Contribution) {
+    pub fn add(&mut self, side: &Sides, components: usize, row: &Contribution) {
         for component in (0..components).filter(|c| row.components[*c]) {
             let term =
                 |other, value| Term { node: row.node, component: component as u64, other, value };
@@ -174,20 +174,10 @@ fn in_space(
 ) -> Result<()> {
     let has_shares = side.secondary_facts(&mesh.facts).has_shares;
     for facet in mesh.on_lip(side.interface, side.secondary) {
-        let (shape, nodes) = mesh.facet_nodes(*facet);
-        let names: Vec<u64> = nodes.iter().map(|node| mesh.nodes.names[*node as usize]).collect();
-        let points: Vec<[f64; 3]> =
-            nodes.iter().map(|node| mesh.nodes.points[*node as usize]).collect();
-        let axes = mesh.facts.axes;
-        let secondary = SpaceFacet::new(shape, &names, &points, axes);
-        let across = mesh.across(side.interface, side.secondary, *facet);
-        let primary: Vec<SpaceFacet> = across
-            .iter()
-            .map(|far| SpaceFacet::new(far.shape, &far.nodes, &far.points, axes))
-            .collect();
+        let (secondary, primary) = space_facets(mesh, side, *facet);
         let primary: Vec<&SpaceFacet> = primary.iter().collect();
-        let without = dropped(&names, components, fixed);
-        let is_transformed = has_shares && shape.order() == 2;
+        let without = dropped(secondary.nodes(), components, fixed);
+        let is_transformed = has_shares && secondary.shape().order() == 2;
         let partners =
             if side.has_gap { Partners::Across(&primary) } else { Partners::Near(&primary) };
         let rows = facet_rows_in_space(&secondary, partners, &without, is_transformed)?;
@@ -203,6 +193,18 @@ fn in_space(
         terms.shares.extend(rows.shares);
     }
     Ok(())
+}
+
+/// A secondary facet of the mesh of a file, and those that may face it.
+pub fn space_facets(mesh: &LocalMesh, side: &Sides, facet: Facet) -> (SpaceFacet, Vec<SpaceFacet>) {
+    let (shape, nodes) = mesh.facet_nodes(facet);
+    let names: Vec<u64> = nodes.iter().map(|node| mesh.nodes.names[*node as usize]).collect();
+    let points: Vec<[f64; 3]> =
+        nodes.iter().map(|node| mesh.nodes.points[*node as usize]).collect();
+    let axes = mesh.facts.axes;
+    let across = mesh.across(side.interface, side.secondary, facet);
+    let of = |far: &FarFacet| SpaceFacet::new(far.shape, &far.nodes, &far.points, axes);
+    (SpaceFacet::new(shape, &names, &points, axes), across.iter().map(of).collect())
 }
 
 /// The mean distance of the two sides at the node of a row (m): the jump of the position.

@@ -8,11 +8,12 @@
 //! secondary node owns its rows, and every rank that holds the node has a copy.
 
 use super::facet_terms::{Term, Uncovered, WEIGHT, integrate};
+use super::heirs::{Heirs, Multipliers, lost_facets};
 use super::sides::Sides;
 use crate::comm::Comm;
 use crate::error::Result;
 use crate::mesh::LocalMesh;
-use crate::space::Directory;
+use crate::space::{AtNode, Directory};
 
 /// The jump of one component at one secondary node.
 #[derive(Debug, Clone, PartialEq)]
@@ -150,7 +151,7 @@ impl JumpRows<u64> {
 }
 
 /// The rows of all secondary nodes that this rank's cells touch, by rising name, of a field with so
-/// many components; `fixed` tells which of them carry no multiplier at a node.
+/// many components; `nodes` tells which of them carry no multiplier.
 ///
 /// With them comes what is to be said of how the sides of the mesh of a file fit each other, the
 /// same on every rank. Collective: each rank integrates the facets of its own cells.
@@ -162,14 +163,23 @@ pub fn jump_rows(
     mesh: &LocalMesh,
     sides: &[Sides],
     components: usize,
-    fixed: &dyn Fn(u64) -> [bool; 3],
+    nodes: &Multipliers<'_>,
     directory: &Directory<'_>,
 ) -> Result<(Vec<JumpRows<u64>>, Vec<String>)> {
+    let fixed = nodes.fixed;
     let mut terms = comm.agree(integrate(mesh, sides, components, fixed))?;
     let mut uncovered = Uncovered::default();
     while uncovered.grow(comm, directory, mesh.facts.order, &terms.shares) {
         let without = |name: u64| if uncovered.contains(name) { [true; 3] } else { fixed(name) };
         terms = comm.agree(integrate(mesh, sides, components, &without))?;
+    }
+    let lost = if mesh.is_of_file() { lost_facets(mesh, sides, nodes) } else { Vec::new() };
+    if mesh.is_of_file() && comm.any(!lost.is_empty()) {
+        let without = |name: u64| if uncovered.contains(name) { [true; 3] } else { fixed(name) };
+        let nodes = Multipliers { fixed: &without, is_lost: nodes.is_lost };
+        let heirs = Heirs::here(mesh, sides, &nodes).everywhere(comm, directory, mesh, &lost);
+        AtNode::agree(comm, heirs.check(mesh, sides, &lost))?;
+        comm.agree(heirs.add_terms(mesh, sides, &lost, &mut terms))?;
     }
     let mut remarks = Vec::new();
     if mesh.is_of_file() && components == mesh.dim() {

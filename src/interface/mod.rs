@@ -4,6 +4,7 @@
 mod cohesive_zone;
 mod facet_terms;
 mod film;
+mod heirs;
 #[cfg(test)]
 mod inf_sup_tests;
 mod jump;
@@ -12,5 +13,6 @@ mod sides;
 
 pub use cohesive_zone::unresolved_zones;
 pub use film::{Film, FilmState, Fluid};
+pub use heirs::{Heirs, Multipliers, lost_facets};
 pub use jump::{JumpRow, JumpRows, jump_rows};
 pub use sides::Sides;

@@ -136,7 +136,9 @@ impl MeshFamily {
         }
         let mesh = self.mesh_of_file()?;
         let mut parts = mesh.parts(&vec![0; mesh.cells()], 1);
-        parts.pop().ok_or_else(|| Error::Bug("no part of the mesh".into()))
+        let mut part = parts.pop().ok_or_else(|| Error::Bug("no part of the mesh".into()))?;
+        part.facts.names = self.facts().names;
+        Ok(part)
     }
 
     fn mesh_of_file(&self) -> Result<&WholeMesh> {

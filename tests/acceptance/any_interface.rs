@@ -113,6 +113,47 @@ probes: [{{name: p, at: [0.31, 0.37, 0.23]}}]",
     }
 }
 
+/// At all nodes of a facet of the joint supports lean against it: the facet beside it acts there.
+/// With supports on opposite sides, and on a mesh whose joint ends at a corner.
+#[test]
+fn facets_without_multipliers_get_those_of_their_neighbours() {
+    let interfaces = |law: &str| format!("interfaces: [{{name: joint, on: joint, law: {law}}}]");
+    let held = "{on: x0, displacement: {x: 0}}, {on: y0, displacement: {y: 0}}, \
+                {on: z0, displacement: {z: 0}}";
+    let stress = [2e5, -1e5, 3e5];
+    let strain = |i: usize| (1.3 * stress[i] - 0.3 * stress.iter().sum::<f64>()) / 5.8e9;
+    let drawn = |side: &str, axis: &str, i: usize| {
+        format!(
+            "{{on: {side}, displacement: {{{axis}: {{formula: \"t*({:e})*{axis}\"}}}}}}",
+            strain(i)
+        )
+    };
+    let pulled = |side: &str, i: usize| {
+        format!("{{on: {side}, traction: {{normal: {{formula: \"t*({:e})\"}}}}}}", stress[i])
+    };
+    let of_rollers = [drawn("x1", "x", 0), drawn("y1", "y", 1), pulled("z1", 2)];
+    let of_corner = [pulled("x1", 0), pulled("y1", 1), pulled("z1", 2)];
+    for (mesh, loads, point) in
+        [("rollers", of_rollers, [0.31, 0.37, 0.23]), ("corner", of_corner, [0.61, 0.37, 0.23])]
+    {
+        for (law, ranks) in [(TIED, 1), (COHESIVE, 3)] {
+            let rest = format!(
+                "{}
+boundary: [{held}, {}]
+probes: [{{name: p, at: {point:?}}}]",
+                interfaces(law),
+                loads.join(", ")
+            );
+            let run = scene(mesh, &rest).scattered().on(ranks);
+            for (i, axis) in ["x", "y", "z"].iter().enumerate() {
+                let found = run.column(&format!("p.displacement_{axis}"))[1];
+                let exact = 2.0 * strain(i) * point[i];
+                assert!((found - exact).abs() < 1e-13, "{}: {found} {exact}", run.label);
+            }
+        }
+    }
+}
+
 #[test]
 fn facets_that_nothing_would_hold_are_refused() {
     let names = ["a", "b", "c"];
@@ -163,17 +204,15 @@ time: {{instants: [1]}}
 ",
         blocks.write()
     );
-    for ranks in [1, 3] {
-        let run = Scene::new("ring", &yaml).with_fields().on(ranks);
-        let fields = Directory::open(&run.directory).expect("results");
-        let fields = fields.series("joint").and_then(|series| series.at(1.0)).expect("fields");
-        let normals = fields.at_points("normal").expect("normals");
-        let tractions = fields.at_points("traction").expect("tractions");
-        assert_eq!(normals.rows().len(), 13);
-        for (t, n) in tractions.rows().zip(normals.rows()) {
-            let along: f64 = t.iter().zip(n).map(|(t, n)| t * n).sum();
-            let shear = (0..3).map(|i| (t[i] - along * n[i]).powi(2)).sum::<f64>().sqrt();
-            assert!(along < -2e5 && shear < 1e-3 * along.abs(), "{t:?} along {n:?}");
-        }
+    let run = Scene::new("ring", &yaml).with_fields().on(3);
+    let fields = Directory::open(&run.directory).expect("results");
+    let fields = fields.series("joint").and_then(|series| series.at(1.0)).expect("fields");
+    let normals = fields.at_points("normal").expect("normals");
+    let tractions = fields.at_points("traction").expect("tractions");
+    assert_eq!(normals.rows().len(), 13);
+    for (t, n) in tractions.rows().zip(normals.rows()) {
+        let along: f64 = t.iter().zip(n).map(|(t, n)| t * n).sum();
+        let shear = (0..3).map(|i| (t[i] - along * n[i]).powi(2)).sum::<f64>().sqrt();
+        assert!(along < -2e5 && shear < 1e-3 * along.abs(), "{t:?} along {n:?}");
     }
 }

@@ -6,7 +6,7 @@ use crate::case::Case;
 use crate::comm::Comm;
 use crate::element::{MAX_NODES, Shape};
 use crate::error::Result;
-use crate::interface::{Film, Fluid, JumpRows, Sides, jump_rows};
+use crate::interface::{Film, Fluid, JumpRows, Multipliers, Sides, jump_rows};
 use crate::mesh::{Facet, LocalMesh};
 use crate::space::{Directory, Nodes};
 
@@ -35,7 +35,8 @@ pub(in crate::solve) fn tie_rows(
         let node = nodes.number(name).expect("a corner of the rank's own cell");
         [pressures.prescribed.entry_of(&nodes.marks[node]).is_some(), false, false]
     };
-    let (rows, _) = jump_rows(comm, pressures.corners, &sides, 1, &fixed, directory)?;
+    let multipliers = Multipliers { fixed: &fixed, is_lost: &|_| false };
+    let (rows, _) = jump_rows(comm, pressures.corners, &sides, 1, &multipliers, directory)?;
     Ok(rows)
 }
 

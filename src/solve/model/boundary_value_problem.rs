@@ -3,14 +3,14 @@
 use std::rc::Rc;
 
 use super::fit;
-use super::special::{special_at, special_of};
+use super::special::{Carriers, special_of};
 use super::special_by_name::SpecialByName;
 use crate::assembly::{Cells, Discretization};
 use crate::bulk::{CellStiffness, Elastic, Loads};
 use crate::case::Case;
 use crate::comm::Comm;
 use crate::error::{Error, Result};
-use crate::interface::{Sides, jump_rows};
+use crate::interface::{Multipliers, Sides, jump_rows};
 use crate::mesh::LocalMesh;
 use crate::space::{AtNode, Directory, Nodes, Prescribed};
 use crate::space::{Supports, check_directions};
@@ -48,7 +48,7 @@ impl BoundaryValueProblem {
         let loads = Loads::new(case, &mesh);
         comm.agree(loads.check(&times))?;
         let sides = Sides::choose(case, &mesh.facts);
-        fit::check(comm, case, &mesh, &sides, &prescribed)?;
+        fit::check(comm, case, &mesh)?;
         let (all, remarks) = discretize(comm, case, &mesh, &sides)?;
         remarks.iter().for_each(|words| tracing::warn!("warning: {words}"));
         let all = Rc::new(all);
@@ -80,17 +80,10 @@ pub(in crate::solve) fn discretize(
     let names = &mesh.nodes.names;
     let directory = Directory::new(comm, mesh.facts.nodes, names);
     let special = special_of(case, mesh, sides, &prescribed);
-    let without = |name: u64| {
-        let node = mesh.nodes.number(name).expect("a node of the rank's own cell");
-        let marks = &mesh.nodes.marks[node];
-        match special_at(&special, node as u32) {
-            _ if marks.is_junction => [true; 3],
-            Some(special) if special.is_at_odds => [true; 3],
-            Some(special) => special.fixed,
-            None => prescribed.components_of(marks),
-        }
-    };
-    let (rows, remarks) = jump_rows(comm, mesh, sides, case.dim, &without, &directory)?;
+    let carriers = Carriers { mesh, special: &special, prescribed: &prescribed };
+    let (fixed, is_lost) = (|name| carriers.fixed(name), |name| carriers.is_lost(name));
+    let multipliers = Multipliers { fixed: &fixed, is_lost: &is_lost };
+    let (rows, remarks) = jump_rows(comm, mesh, sides, case.dim, &multipliers, &directory)?;
     let mut needed = names.clone();
     needed.extend(rows.iter().flat_map(|rows| rows.names_of_others()));
     let known = SpecialByName::new(comm, &directory, mesh, &special, &mut needed);
