@@ -100,6 +100,18 @@ impl Frames {
         self.turned(&framed.rotation, u)
     }
 
+    /// The transpose of [`Frames::unknowns`]: gives the forces on displacements that a force on
+    /// the unknowns of a local node makes, node by node.
+    pub fn spread(&self, node: u32, force: [f64; 3], mut add: impl FnMut(u32, [f64; 3])) {
+        let Some(framed) = self.at(node) else { return add(node, force) };
+        let mut force = self.turned_back(&framed.rotation, force);
+        if let Some(ends) = framed.ends {
+            force = force.map(|f| f / (1.0 - 2.0 * SHARE_OF_END));
+            ends.iter().for_each(|end| add(*end, force.map(|f| -SHARE_OF_END * f)));
+        }
+        add(node, force);
+    }
+
     /// Components along the rows of a rotation of a vector given along the axes.
     pub fn turned(&self, rotation: &Rotation, v: [f64; 3]) -> [f64; 3] {
         let along = |c: usize| (0..self.dim).map(|i| rotation[c][i] * v[i]).sum();
@@ -272,6 +284,22 @@ mod tests {
         frames.fold_matrix(&nodes, &mut folded);
         let found = energy(&folded, &of_cell(&unknowns));
         assert!((found / exact - 1.0).abs() < 1e-13, "{found} {exact}");
+    }
+
+    #[test]
+    fn forces_on_unknowns_do_the_work_of_those_on_displacements() {
+        let frames = frames();
+        let field = |node: u32| [0.3, 1.0, -2.0].map(|a| a * f64::from(3 * node + 1));
+        for node in 0..4 {
+            let force = [1.5, -0.5, 2.0];
+            let unknowns = frames.unknowns(node, field);
+            let exact: f64 = unknowns.iter().zip(force).map(|(u, f)| u * f).sum();
+            let mut work = 0.0;
+            frames.spread(node, force, |of, f| {
+                work += field(of).iter().zip(f).map(|(u, f)| u * f).sum::<f64>();
+            });
+            assert!((work - exact).abs() < 1e-13 * exact.abs(), "{work} {exact}");
+        }
     }
 
     #[test]

@@ -18,6 +18,8 @@ pub struct MeshFacts {
     pub bodies: usize,
     /// Number of cells.
     pub cells: u64,
+    /// Numbers of cells of the coarser meshes that a file's refined mesh has, coarsest first.
+    pub coarser: Vec<u64>,
     /// Number of nodes; all names are below it.
     pub nodes: u64,
     /// Number of nodes that are corners of cells.

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use super::import::{gmsh, med};
 use super::lattice::Column;
-use super::whole::{InterfacePlace, InterfaceRequest, MaterialGroups, Request, WholeMesh};
+use super::whole::{InterfacePlace, InterfaceRequest, Keep, MaterialGroups, Request, WholeMesh};
 use super::{DualGraph, LocalMesh, MeshFacts, whole};
-use crate::case::{Case, FileSpec, InterfaceSpec, Location, Material};
+use crate::case::{Case, FileSpec, InterfaceSpec, Linear, Location, Material};
 use crate::error::{Error, Result};
 
 /// The meshes of a case.
@@ -22,8 +22,9 @@ enum Source {
     /// Nested lattices, coarsest first, the same on every rank; the last one is that of the case.
     /// The cells of the first one are shared out, and every rank refines its own.
     Lattices(Vec<Column>),
-    /// The mesh of a file: what is known of it, and on the rank that read it the mesh itself.
-    Whole(Box<MeshFacts>, Option<Box<WholeMesh>>),
+    /// The mesh of a file: what is known of it, and on the rank that read it the mesh itself, after
+    /// the coarser ones that multigrid asks for, coarsest first.
+    Whole(Box<MeshFacts>, Vec<WholeMesh>),
 }
 
 impl MeshFamily {
@@ -35,11 +36,16 @@ impl MeshFamily {
     /// be read, or does not hold what the case asks for.
     pub fn new(case: &Case) -> Result<Self> {
         if let Some(file) = case.mesh.file() {
-            let mut mesh = read(case, file)?;
+            let mut meshes = read(case, file)?;
+            let coarser: Vec<u64> = meshes.iter().map(|mesh| mesh.cells() as u64).collect();
+            let Some(mesh) = meshes.last_mut() else {
+                return Err(Error::Bug("no mesh in the file".into()));
+            };
             let remarks = std::mem::take(&mut mesh.remarks);
             let names = case.interfaces.iter().map(|interface| interface.name.clone()).collect();
-            let facts = MeshFacts { names, ..mesh.facts() };
-            let source = Source::Whole(Box::new(facts), Some(Box::new(mesh)));
+            let mut facts = MeshFacts { names, coarser, ..mesh.facts() };
+            facts.coarser.pop();
+            let source = Source::Whole(Box::new(facts), meshes);
             return Ok(Self { source, remarks });
         }
         let column = Column::new(case)?;
@@ -49,7 +55,7 @@ impl MeshFamily {
 
     /// The mesh of a file that another rank has read.
     pub fn known_by_its_facts(facts: MeshFacts) -> Self {
-        Self { source: Source::Whole(Box::new(facts), None), remarks: Vec::new() }
+        Self { source: Source::Whole(Box::new(facts), Vec::new()), remarks: Vec::new() }
     }
 
     /// What is known of the mesh of the case.
@@ -76,7 +82,15 @@ impl MeshFamily {
     /// Takes levels for multigrid in the place of the meshes below the finest, the coarsest of at
     /// least `fewest` cells. False where there are none.
     pub fn coarsen(&mut self, fewest: u64) -> bool {
-        let Source::Lattices(columns) = &mut self.source else { return false };
+        let columns = match &mut self.source {
+            Source::Lattices(columns) => columns,
+            Source::Whole(facts, meshes) => {
+                let few = facts.coarser.iter().take_while(|cells| **cells < fewest).count();
+                facts.coarser.drain(..few);
+                meshes.drain(..few.min(meshes.len()));
+                return !facts.coarser.is_empty();
+            }
+        };
         let levels = columns[columns.len() - 1].hierarchy(fewest);
         let has_levels = levels.len() > 1;
         if has_levels {
@@ -89,7 +103,7 @@ impl MeshFamily {
     pub fn coarse_cells(&self) -> u64 {
         match &self.source {
             Source::Lattices(columns) => columns[0].cells(),
-            Source::Whole(facts, _) => facts.cells,
+            Source::Whole(facts, _) => facts.coarser.first().copied().unwrap_or(facts.cells),
         }
     }
 
@@ -100,7 +114,7 @@ impl MeshFamily {
     pub fn dual_graph(&self) -> Result<DualGraph> {
         match &self.source {
             Source::Lattices(columns) => columns[0].dual_graph(),
-            Source::Whole(..) => Ok(whole::dual_graph(self.mesh_of_file()?)),
+            Source::Whole(..) => Ok(whole::dual_graph(&self.meshes_of_file()?[0])),
         }
     }
 
@@ -116,13 +130,24 @@ impl MeshFamily {
         Some(meshes)
     }
 
-    /// The parts of all ranks of the mesh of a file, on the rank that read it, of which each gets
-    /// the cells that `rank_of` gives it. Local.
+    /// The parts of all ranks of the meshes of a file, coarsest first, on the rank that read it, of
+    /// which each gets the cells that `rank_of` gives it of the coarsest mesh, and their children.
+    /// Local.
     ///
     /// # Errors
     /// `Bug` on another rank, or for a column.
-    pub fn parts(&self, rank_of: &[i32], ranks: usize) -> Result<Vec<LocalMesh>> {
-        Ok(self.mesh_of_file()?.parts(rank_of, ranks))
+    pub fn parts(&self, rank_of: &[i32], ranks: usize) -> Result<Vec<Vec<LocalMesh>>> {
+        let meshes = self.meshes_of_file()?;
+        let mut rank_of = rank_of.to_vec();
+        let mut parts = vec![meshes[0].parts(&rank_of, ranks)];
+        for pair in meshes.windows(2) {
+            let fine = &pair[1];
+            rank_of = fine.parents.iter().map(|parent| rank_of[parent.cell as usize]).collect();
+            let mut of_ranks = fine.parts(&rank_of, ranks);
+            of_ranks.iter_mut().for_each(|part| part.depend_on(fine, &pair[0]));
+            parts.push(of_ranks);
+        }
+        Ok(parts)
     }
 
     /// The whole mesh of the case on one rank. Local.
@@ -134,23 +159,26 @@ impl MeshFamily {
             let column = &columns[columns.len() - 1];
             return Ok(LocalMesh::new(column, (0..column.cells()).collect(), column.cells()));
         }
-        let mesh = self.mesh_of_file()?;
+        let meshes = self.meshes_of_file()?;
+        let mesh = &meshes[meshes.len() - 1];
         let mut parts = mesh.parts(&vec![0; mesh.cells()], 1);
         let mut part = parts.pop().ok_or_else(|| Error::Bug("no part of the mesh".into()))?;
         part.facts.names = self.facts().names;
         Ok(part)
     }
 
-    fn mesh_of_file(&self) -> Result<&WholeMesh> {
+    /// At least one.
+    fn meshes_of_file(&self) -> Result<&[WholeMesh]> {
         match &self.source {
-            Source::Whole(_, Some(mesh)) => Ok(mesh),
+            Source::Whole(_, meshes) if !meshes.is_empty() => Ok(meshes),
             _ => Err(Error::Bug("the mesh of a file is on another rank".into())),
         }
     }
 }
 
-/// Reads the mesh of a file and makes of it what the case asks for.
-fn read(case: &Case, file: &FileSpec) -> Result<WholeMesh> {
+/// Reads the mesh of a file and makes of it what the case asks for, after the coarser ones where
+/// multigrid is to use them.
+fn read(case: &Case, file: &FileSpec) -> Result<Vec<WholeMesh>> {
     let path = file.path.display().to_string();
     let content = if is_med(&file.path) {
         med::read(&file.path)?
@@ -186,11 +214,13 @@ fn read(case: &Case, file: &FileSpec) -> Result<WholeMesh> {
     let request = Request {
         scale: file.scale,
         raise_order: file.raise_order.then_some(2),
+        refine: case.mesh.refine,
         materials: case.materials.iter().map(material).collect(),
         surfaces: case.surfaces().iter().map(|surface| surface.name().to_owned()).collect(),
         interfaces: case.interfaces.iter().map(interface).collect::<Result<_>>()?,
     };
-    whole::build(&content, &request, &path)
+    let keep = if case.solver.linear == Linear::Multigrid { Keep::All } else { Keep::Finest };
+    whole::nested(&content, &request, &path, keep)
 }
 
 /// Whether a file is one of MED: HDF5, by its ending.

@@ -43,7 +43,7 @@ pub struct FarFacet {
 }
 
 /// How nodes of a mesh depend on those of a coarser one.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Interpolation {
     /// First entry of each fine node, and the end.
     pub start: Vec<u32>,
@@ -51,6 +51,25 @@ pub struct Interpolation {
     pub names: Vec<u64>,
     /// Their parts.
     pub weights: Vec<f64>,
+    /// Whether it is that of a mesh from a file, whose nodes may have frames and whose lips may
+    /// have common nodes.
+    pub is_of_file: bool,
+}
+
+impl Interpolation {
+    /// That of nodes by number; a node without a number depends on none.
+    pub(super) fn of(&self, numbers: impl Iterator<Item = Option<usize>>) -> Self {
+        let mut all = Self { start: vec![0], is_of_file: true, ..Self::default() };
+        for number in numbers {
+            if let Some(number) = number {
+                let range = self.start[number] as usize..self.start[number + 1] as usize;
+                all.names.extend_from_slice(&self.names[range.clone()]);
+                all.weights.extend_from_slice(&self.weights[range]);
+            }
+            all.start.push(all.names.len() as u32);
+        }
+        all
+    }
 }
 
 /// The cells of one rank, with their nodes by number.
@@ -86,6 +105,9 @@ pub struct LocalMesh {
     pub coarse_cells: u64,
     /// Whether the nodes are the corners of the cells only.
     pub(super) is_of_corners: bool,
+    /// How the nodes depend on those of the next coarser mesh of a file, by number; nothing where
+    /// there is none, and in lattices, where it is found when it is asked for.
+    pub(super) parents: Interpolation,
     /// What the arrays were made of, where that was a lattice.
     #[serde(skip)]
     pub(super) lattice: Option<Column>,
@@ -232,6 +254,7 @@ impl LocalMesh {
             directions: self.directions.clone(),
             coarse_cells: self.coarse_cells,
             is_of_corners: true,
+            parents: Interpolation::default(),
             lattice: self.lattice.clone(),
         }
     }

@@ -12,6 +12,7 @@ mod lattice;
 mod local;
 mod locate;
 mod marks;
+mod nested;
 mod parts;
 mod prototype;
 pub mod whole;

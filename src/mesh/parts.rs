@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use super::prototype::Prototypes;
 use super::whole::{WholeFacet, WholeInterface, WholeMesh, area, digest, facing, surface_normals};
 use super::{
-    Directions, Facet, FarFacet, Geometry, Joint, Lip, LipFacts, LipNormal, LocalMesh, Marks,
-    MeshFacts, MidNode, Places, Prototype, SurfaceNormal,
+    Directions, Facet, FarFacet, Geometry, Interpolation, Joint, Lip, LipFacts, LipNormal,
+    LocalMesh, Marks, MeshFacts, MidNode, Places, Prototype, SurfaceNormal,
 };
 use crate::element::{Shape, mapping, stiffness_rule};
 
@@ -37,6 +37,7 @@ impl WholeMesh {
             size: std::array::from_fn(|i| high[i] - low[i]),
             bodies: self.body_count,
             cells: self.cells() as u64,
+            coarser: Vec::new(),
             nodes,
             corners: is_corner.iter().filter(|is| **is).count() as u64,
             order: self.shapes.iter().map(|shape| shape.order()).max().unwrap_or(1),
@@ -184,6 +185,7 @@ impl WholeMesh {
             facing: Vec::new(),
             directions: Directions::default(),
             is_of_corners: false,
+            parents: Interpolation::default(),
             lattice: None,
         }
     }

@@ -26,7 +26,7 @@ const DAMPED: f64 = 0.09;
 pub struct Level {
     /// Cells, nodes, rows.
     pub all: Rc<Discretization>,
-    /// In the order of the owned nodes.
+    /// In the order of the owned nodes; of the mesh of a file of all local nodes.
     pub interpolation: Interpolation,
 }
 

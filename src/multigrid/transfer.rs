@@ -11,18 +11,23 @@ use crate::petsc::LinearOperator;
 /// tangent.
 const WIDTH: usize = NodeState::WIDTH;
 
-/// Multilinear interpolation from the nodes of a coarse level to those of the next finer one.
+/// Interpolation from the nodes of a coarse level to those of the next finer one: multilinear in
+/// lattices, by the basis of the parent in refined meshes of files.
 ///
 /// It takes displacements to displacements and jumps to jumps: unknowns are expanded on the coarse
-/// level first, and what lies on an identity row of the fine level is dropped.
+/// level first, and what lies on an identity row of the fine level is dropped. Where nodes have
+/// frames, vectors are interpolated along the axes.
 pub struct Transfer {
     fine: Rc<TangentOperator>,
     coarse: Rc<TangentOperator>,
-    /// First entry of each owned fine node in the two lists below.
+    /// First entry of each owned fine node in the two lists below; of the mesh of a file of every
+    /// local one.
     start: Vec<u32>,
     /// Local coarse nodes.
     node: Vec<u32>,
     weight: Vec<f64>,
+    /// Whether vectors are interpolated along the axes.
+    is_of_file: bool,
     work: RefCell<[Vec<f64>; 2]>,
     /// Of the size of the owned fine unknowns.
     residual: RefCell<Vec<f64>>,
@@ -35,7 +40,7 @@ impl Transfer {
         coarse: Rc<TangentOperator>,
         interpolation: Interpolation,
     ) -> Self {
-        let Interpolation { start, names, weights } = interpolation;
+        let Interpolation { start, names, weights, is_of_file } = interpolation;
         let held = "the coarse cell around a fine node is held";
         let nodes = &coarse.discretization().nodes;
         let node = names.iter().map(|name| nodes.local(*name).expect(held)).collect();
@@ -45,7 +50,7 @@ impl Transfer {
             let fine = fine.discretization();
             RefCell::new(vec![0.0; fine.nodes.owned * fine.dim])
         };
-        Self { fine, coarse, start, node, weight: weights, work, residual }
+        Self { fine, coarse, start, node, weight: weights, is_of_file, work, residual }
     }
 
     /// Owned unknowns of the fine and of the coarse level.
@@ -73,6 +78,75 @@ impl Transfer {
             let to = &mut coarse[parent * dim..][..dim];
             to.iter_mut().zip(values).for_each(|(f, v)| *f += part * v);
         }
+    }
+
+    /// Interpolates displacements along the axes of all local coarse nodes to a fine node.
+    fn vector(&self, fine_node: u32, coarse: &[f64]) -> [f64; 3] {
+        let mut values = [0.0; 3];
+        let dim = self.coarse.discretization().dim;
+        self.gather(fine_node as usize, coarse, &mut values[..dim]);
+        values
+    }
+
+    /// The jumps of coarse secondary nodes along the axes; zero at all others, such as tips.
+    fn jumps_along_axes(&self, u: &[f64]) -> Vec<f64> {
+        let coarse = self.coarse.discretization();
+        let mut jumps = vec![0.0; u.len()];
+        for rows in &coarse.secondary {
+            for c in (0..coarse.dim).filter(|c| rows.rows[*c].is_some()) {
+                let own = rows.own(c) as usize;
+                jumps[own] = u[own];
+            }
+        }
+        coarse.frames.displacements(&jumps).into_owned()
+    }
+
+    /// [`LinearOperator::multiply`] with vectors along the axes.
+    fn multiply_along_axes(&self, u: &mut [f64], y: &mut [f64]) {
+        let (fine, coarse) = (self.fine.discretization(), self.coarse.discretization());
+        let dim = fine.dim;
+        let displacements = coarse.frames.displacements(u);
+        for (node, values) in (0..).zip(y.chunks_exact_mut(dim)) {
+            let of_node = fine.frames.unknowns(node, |node| self.vector(node, &displacements));
+            values.copy_from_slice(&of_node[..dim]);
+        }
+        drop(displacements);
+        self.coarse.to_jumps(u);
+        let jumps = self.jumps_along_axes(u);
+        for (index, rows) in fine.secondary[..fine.owned_secondary()].iter().enumerate() {
+            let jump = fine.frames.unknowns(rows.node, |node| self.vector(node, &jumps));
+            for c in (0..dim).filter(|c| self.fine.unknown_is_jump(index, *c)) {
+                y[rows.own(c) as usize] = jump[c];
+            }
+        }
+    }
+
+    /// The transpose of `multiply_along_axes`, from fine forces `r` without those on jumps to
+    /// coarse ones.
+    fn spread_along_axes(&self, r: &mut [f64], force: &mut [f64], on_jumps: &mut [f64]) {
+        let (fine, coarse) = (self.fine.discretization(), self.coarse.discretization());
+        let dim = fine.dim;
+        let spread = |node: u32, on_node: [f64; 3], to: &mut [f64]| {
+            fine.frames.spread(node, on_node, |node, f| {
+                self.scatter(node as usize, &f[..dim], to);
+            });
+        };
+        for (index, rows) in fine.secondary[..fine.owned_secondary()].iter().enumerate() {
+            let mut jump = [0.0; 3];
+            for c in (0..dim).filter(|c| self.fine.unknown_is_jump(index, *c)) {
+                jump[c] = std::mem::take(&mut r[rows.own(c) as usize]);
+            }
+            if jump != [0.0; 3] {
+                spread(rows.node, jump, on_jumps);
+            }
+        }
+        for (node, values) in (0..).zip(r.chunks_exact(dim)) {
+            let mut on_node = [0.0; 3];
+            on_node[..dim].copy_from_slice(values);
+            spread(node, on_node, force);
+        }
+        coarse.frames.fold(on_jumps);
+        coarse.frames.fold(force);
     }
 
     fn parents(&self, fine_node: usize) -> impl Iterator<Item = (usize, f64)> {
@@ -137,6 +211,11 @@ impl LinearOperator for Transfer {
         let [u, _] = &mut *self.work.borrow_mut();
         u[..x.len()].copy_from_slice(x);
         self.coarse.expand(u);
+        if self.is_of_file {
+            self.multiply_along_axes(u, y);
+            self.fine.for_identity_components(|own| y[own] = 0.0);
+            return;
+        }
         for (node, values) in y.chunks_exact_mut(dim).enumerate() {
             self.gather(node, u, values);
         }
@@ -161,6 +240,12 @@ impl LinearOperator for Transfer {
         let r = &mut *self.residual.borrow_mut();
         r.copy_from_slice(x);
         self.fine.for_identity_components(|own| r[own] = 0.0);
+        if self.is_of_file {
+            self.spread_along_axes(r, force, on_jumps);
+            self.coarse.fold(force, Some(on_jumps));
+            y.copy_from_slice(&force[..y.len()]);
+            return;
+        }
         for (index, rows) in fine.secondary[..fine.owned_secondary()].iter().enumerate() {
             let (node, mut jump) = (rows.node as usize, [0.0; 3]);
             for c in (0..dim).filter(|c| self.fine.unknown_is_jump(index, *c)) {

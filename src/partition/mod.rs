@@ -14,7 +14,7 @@ use crate::case::Case;
 use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::hash::mix;
-use crate::mesh::{LocalMesh, MeshFamily};
+use crate::mesh::{LocalMesh, MeshFacts, MeshFamily};
 
 /// How the cells are shared out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,7 +62,7 @@ pub fn share_out(comm: &Comm, family: &MeshFamily, method: Method) -> Result<Vec
     let local = if comm.is_root() { ranks_of(family, ranks, method) } else { Ok(Vec::new()) };
     let rank_of = comm.agree(local)?;
     if family.is_of_file() {
-        return share_out_file(comm, family, &rank_of).map(|mesh| vec![mesh]);
+        return share_out_file(comm, family, &rank_of);
     }
     let mut lists = vec![Vec::new(); ranks];
     for (cell, rank) in rank_of.iter().enumerate() {
@@ -75,20 +75,33 @@ pub fn share_out(comm: &Comm, family: &MeshFamily, method: Method) -> Result<Vec
     meshes.ok_or_else(|| Error::Bug("a column without its levels".into()))
 }
 
-/// Sends the parts of the mesh of a file from rank 0. Collective.
-fn share_out_file(comm: &Comm, family: &MeshFamily, rank_of: &[i32]) -> Result<LocalMesh> {
+/// Sends the parts of the meshes of a file from rank 0, coarsest first. Collective.
+fn share_out_file(comm: &Comm, family: &MeshFamily, rank_of: &[i32]) -> Result<Vec<LocalMesh>> {
     let ranks = comm.size() as usize;
     let packed = || -> Result<Vec<Vec<u8>>> {
         if !comm.is_root() {
             return Ok(vec![Vec::new(); ranks]);
         }
-        family.parts(rank_of, ranks)?.iter().map(pack).collect()
+        let mut of_ranks = vec![Vec::new(); ranks];
+        for of_level in family.parts(rank_of, ranks)? {
+            for (of_rank, mesh) in of_ranks.iter_mut().zip(of_level) {
+                of_rank.push((mesh.facts.clone(), mesh));
+            }
+        }
+        of_ranks.iter().map(pack).collect()
     };
     let packed = comm.agree(packed())?;
     let received = comm.exchange(&packed);
-    let mut mesh: LocalMesh = comm.agree(unpack(&received[0]))?;
-    mesh.facts = family.facts();
-    Ok(mesh)
+    let parts: Vec<(MeshFacts, LocalMesh)> = comm.agree(unpack(&received[0]))?;
+    let with_facts = |(facts, mut mesh): (MeshFacts, LocalMesh)| {
+        mesh.facts = facts;
+        mesh
+    };
+    let mut meshes: Vec<LocalMesh> = parts.into_iter().map(with_facts).collect();
+    if let Some(finest) = meshes.last_mut() {
+        finest.facts = family.facts();
+    }
+    Ok(meshes)
 }
 
 fn pack<T: Serialize>(what: &T) -> Result<Vec<u8>> {

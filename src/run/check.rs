@@ -53,8 +53,8 @@ pub fn describe(case: &Case) -> Result<String> {
     for sentence in &case.left_out {
         line("left out", sentence.clone())?;
     }
-    let order = case.mesh.order_words();
-    line("mesh", format!("{} cells{order}, {unknowns} unknowns", facts.cells))?;
+    let (order, refined) = (case.mesh.order_words(), case.mesh.refined_words());
+    line("mesh", format!("{} cells{order}{refined}, {unknowns} unknowns", facts.cells))?;
     for (interface, side) in case.interfaces.iter().zip(&sides) {
         let secondary = side.secondary.name();
         let (name, law) = (&interface.name, interface.law.name());

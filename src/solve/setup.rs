@@ -10,7 +10,8 @@ use super::model::interfaces::{InterfaceState, JointLaw};
 use super::model::linear::{LinearChoice, LinearTarget, MULTIGRID};
 use super::model::near_null_space::rigid_motions;
 use super::model::{
-    BoundaryValueProblem, NodeData, discretize, gaps, gaps_in_words, strength_factors,
+    BoundaryValueProblem, NodeData, discretize, gaps, gaps_in_words, has_lost_facets,
+    strength_factors,
 };
 use super::problem::convergence::Convergence;
 use super::problem::path::PathControl;
@@ -166,6 +167,11 @@ fn levels(
     }
     let mut below: Option<LocalMesh> = None;
     for mesh in coarser {
+        // Where no node of its own holds a facet, the matrix of the coarse mesh can be singular.
+        if has_lost_facets(comm, case, &mesh, sides) {
+            (levels, below) = (Vec::new(), None);
+            continue;
+        }
         let all = Rc::new(discretize(comm, case, &mesh, sides)?.0);
         levels.push(level(&mesh, all, below.as_ref()));
         below = Some(mesh);
@@ -176,8 +182,10 @@ fn levels(
 
 /// A level of multigrid, with its nodes' dependence on those of the one below.
 fn level(mesh: &LocalMesh, all: Rc<Discretization>, below: Option<&LocalMesh>) -> Level {
-    let owned = &all.nodes.names[..all.nodes.owned];
-    let interpolation = below.map(|below| mesh.interpolation(below, owned)).unwrap_or_default();
+    // In the mesh of a file the unknowns of a node may contain displacements of ghosts.
+    let count = if mesh.is_of_file() { all.nodes.len() } else { all.nodes.owned };
+    let names = &all.nodes.names[..count];
+    let interpolation = below.map(|below| mesh.interpolation(below, names)).unwrap_or_default();
     Level { all, interpolation }
 }
 

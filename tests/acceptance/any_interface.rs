@@ -73,6 +73,21 @@ fn two_that_cross() {
 }
 
 #[test]
+fn those_of_a_refined_mesh() {
+    check_patch(&patch("crossing", 2, COHESIVE).set("mesh.refine=2").scattered().on(3), 2);
+    check_patch(&patch("branching", 2, TIED).set("mesh.refine=1").on(1), 2);
+    let ending = patch("ending", 3, COHESIVE).set("mesh.refine=1");
+    let exact = ending.on(2);
+    check_patch(&exact, 3);
+    let run = ending.set("solver.linear=multigrid").scattered().on(3);
+    assert_eq!(run.report["linear_solver"]["choice"], "multigrid");
+    let probe = |run: &Run| run.column("p.displacement_x");
+    for (found, exact) in probe(&run).into_iter().zip(probe(&exact)) {
+        assert!((found - exact).abs() < 1e-11, "{found} {exact}");
+    }
+}
+
+#[test]
 fn one_that_branches() {
     check_patch(&patch("branching", 2, COHESIVE).on(1), 2);
     check_patch(&patch("branching", 2, TIED).scattered().on(3), 2);

@@ -139,3 +139,20 @@ fn tetrahedra_of_second_order() {
 fn hexahedra_with_pyramids_on_tetrahedra() {
     check(&column("mixed-pair", APART).on(2));
 }
+
+/// Once refined by the program, cells of all kinds give the same.
+#[test]
+fn refined() {
+    check(&column("mixed-pair", APART).set("mesh.refine=1").on(1));
+    check(&column("prism18", CONFORMING).set("mesh.refine=1").on(1));
+    check(&column("tet4-apart", APART).set("mesh.refine=1").scattered().on(3));
+}
+
+/// The meshes that refinement makes are the levels of multigrid.
+#[test]
+fn refined_with_multigrid() {
+    let scene = column("tet10", CONFORMING).set("mesh.refine=1").set("solver.linear=multigrid");
+    let run = scene.on(3);
+    assert_eq!(run.report["linear_solver"]["choice"], "multigrid");
+    check(&run);
+}

@@ -36,6 +36,7 @@ mod ranks;
 mod reactions;
 mod reference;
 mod reduction;
+mod refined_mesh;
 mod refinement;
 mod repeat;
 mod restart;

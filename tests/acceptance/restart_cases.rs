@@ -89,6 +89,7 @@ fn stopped_after_their_first_instant(files: &[PathBuf]) {
         let stiffness = case.materials.iter().map(|m| m.young_modulus).fold(0.0, f64::max);
         let difference = whole.difference_above(&broken, |kind| match kind {
             Kind::Reaction => stress * section,
+            Kind::Area => section,
             Kind::Length => stress / stiffness * height,
             Kind::Damage => 1.0,
             // Of what flows in and out; that into the rock may be a small part.

@@ -41,6 +41,7 @@ const TESTS: &[Test] = &[
     ("user_options_win", newton::user_options_win),
     ("unused_options_are_found", newton::unused_options_are_found),
     ("tangent_by_differences", tangent::tangent_by_differences),
+    ("tangent_in_refined_meshes", tangent::tangent_in_refined_meshes),
     ("log_stages", linear_algebra::log_stages),
 ];
 

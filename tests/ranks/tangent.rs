@@ -69,6 +69,44 @@ pub fn tangent_by_differences(runtime: &Runtime) {
     }
 }
 
+/// A mesh of a file that multigrid makes finer, its outer boundary drawn apart unevenly.
+fn case_of_file(mesh: &str, more: &str, dim: usize) -> Case {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/meshes/interfaces");
+    let axes = &["x", "y", "z"][..dim];
+    let component = |(i, axis): (usize, &&str)| {
+        let next = axes[(i + 1) % dim];
+        format!("{axis}: {{formula: \"t*(8e-4*{axis}*{axis} + 2e-4*{next} - 1e-4*{axis})\"}}")
+    };
+    let components: Vec<String> = axes.iter().enumerate().map(component).collect();
+    let text = format!(
+        "
+mesh: {{file: \"{folder}/{mesh}.msh\", refine: 1{more}}}
+materials: {{rock: {{elastic: {{young_modulus: 5.8e9, poisson_ratio: 0.2}}}}}}
+interfaces:
+  - name: joint
+    on: joint
+    law: {{linear_softening: {{strength: 2.0e5, fracture_energy: 30.0, augmentation: 10.0}}}}
+boundary: [{{on: outer, displacement: {{{}}}}}]
+solver: {{linear: multigrid}}
+time: {{instants: [0.2, 0.5, 1]}}
+",
+        components.join(", ")
+    );
+    let case = Case::read(&text, Path::new("tangent.yaml"), &[]).expect("the case is right");
+    case.for_dimension(dim).expect("a dimension that fits")
+}
+
+/// Meshes of files with crossings, branches and tips, and nodes with frames.
+pub fn tangent_in_refined_meshes(runtime: &Runtime) {
+    for (mesh, more, dim, method) in [
+        ("crossing", "", 2, Method::Metis),
+        ("branching", ", raise_order: 2", 2, Method::Scattered),
+        ("ending", "", 3, Method::Scattered),
+    ] {
+        check(runtime, &case_of_file(mesh, more, dim), method);
+    }
+}
+
 /// Goes through the instants; returns the branches of all ranks at which tangents were compared.
 fn check(runtime: &Runtime, case: &Case, method: Method) -> BTreeSet<Branch> {
     let comm = &runtime.comm;

@@ -27,15 +27,10 @@ impl Checker<'_> {
             );
             self.add("mesh.file", reason);
         }
-        if file.mesh.refine > 0 {
-            self.add("mesh.refine", format!("to refine {LATER} on the mesh of a file"));
-        }
-        if file.solver.linear == Linear::Multigrid {
-            let reason = format!(
-                "multigrid, which needs coarser meshes, {LATER} on the mesh of a file; take auto, \
-                 gamg, hypre or mumps"
-            );
-            self.add("solver.linear", reason);
+        if file.solver.linear == Linear::Multigrid && file.mesh.refine == 0 {
+            let reason = "multigrid needs coarser meshes, which the mesh of a file has where \
+                          mesh.refine makes it finer; take auto, gamg, hypre or mumps";
+            self.add("solver.linear", reason.to_owned());
         }
     }
 }

@@ -95,7 +95,7 @@ pub struct MeshSection {
     /// How the cells are integrated.
     #[serde(default)]
     pub formulation: Formulation,
-    /// Uniform refinements after distribution.
+    /// Uniform refinements: each halves every edge; cells of second order keep their curves.
     #[serde(default)]
     #[schemars(range(max = 20))]
     pub refine: u32,

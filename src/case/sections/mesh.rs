@@ -107,6 +107,15 @@ impl MeshSpec {
             MeshSource::File(_) => "",
         }
     }
+
+    /// How often the mesh of a file is refined, in words that follow `cells`.
+    pub fn refined_words(&self) -> String {
+        match (&self.source, self.refine) {
+            (MeshSource::Boxes(_), _) | (_, 0) => String::new(),
+            (_, 1) => " after one refinement".to_owned(),
+            (_, times) => format!(" after {times} refinements"),
+        }
+    }
 }
 
 impl ColumnSpec {

@@ -51,7 +51,8 @@ pub enum Linear {
     Gamg,
     /// BoomerAMG
     Hypre,
-    /// Geometric multigrid without a matrix, over coarser lattices of the same column
+    /// Geometric multigrid without a matrix, over coarser lattices of the same column, or over
+    /// the meshes that `mesh.refine` makes of a file
     Multigrid,
 }
 

@@ -283,10 +283,9 @@ fn a_mistake_in_a_case_with_a_mesh_file_is_told() {
         ),
         (
             "solver={linear: multigrid}",
-            "solver.linear multigrid, which needs coarser meshes, is not yet available on the mesh \
-             of a file; take auto, gamg, hypre or mumps",
+            "solver.linear multigrid needs coarser meshes, which the mesh of a file has where \
+             mesh.refine makes it finer; take auto, gamg, hypre or mumps",
         ),
-        ("mesh.refine=1", "mesh.refine to refine is not yet available on the mesh of a file"),
         (
             "interfaces.0.fluid={flow: true}\nphysics=mechanics",
             "interfaces.0.fluid flow along an interface is not yet available on the mesh of a file",

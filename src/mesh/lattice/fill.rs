@@ -58,6 +58,7 @@ impl LocalMesh {
             is_of_corners: false,
             facing: Vec::new(),
             directions: Directions::default(),
+            parents: Interpolation::default(),
             lattice: Some(column.clone()),
         }
     }
@@ -118,10 +119,12 @@ impl LocalMesh {
     }
 
     /// How the nodes of these `names` depend on those of the next coarser level. Every one lies in
-    /// a cell of `coarse`.
+    /// a cell of `coarse`; of the mesh of a file those that do not depend on none.
     pub fn interpolation(&self, coarse: &Self, names: &[u64]) -> Interpolation {
         let mut all = Interpolation { start: vec![0], ..Interpolation::default() };
-        let (Some(fine), Some(coarse)) = (&self.lattice, &coarse.lattice) else { return all };
+        let (Some(fine), Some(coarse)) = (&self.lattice, &coarse.lattice) else {
+            return self.parents.of(names.iter().map(|name| self.nodes.number(*name)));
+        };
         for name in names {
             for (parent, part) in parents(fine, coarse, *name) {
                 all.names.push(parent);
@@ -174,6 +177,7 @@ impl Column {
             size: self.size,
             bodies: self.bodies(),
             cells: self.cells(),
+            coarser: Vec::new(),
             nodes: self.nodes(),
             corners: self.of_first_order().nodes(),
             order,

@@ -6,11 +6,12 @@ use super::cut::{Copies, cut};
 use super::facet::WholeFacet;
 use super::facets::FacetTable;
 use super::groups::Groups;
-use super::plan::{Known, plan};
+use super::plan::{Known, Plan, plan};
+use super::refine::Refiner;
 use super::request::Request;
 use super::types::WholeMesh;
 use super::words::{count, wrong};
-use super::{doubled, jacobian, lips, materials, raise, surfaces, touching};
+use super::{doubled, jacobian, lips, materials, raise, refine, surfaces, touching};
 use crate::element::Shape;
 use crate::error::{Error, Result};
 use crate::mesh::import::FileMesh;
@@ -24,42 +25,131 @@ use crate::mesh::import::FileMesh;
 /// `Input`, with the number of elements concerned, the first of them, its place (m) and a remedy:
 /// no cells, cells that are turned over or degenerate, copies of cells, cells of two orders that
 /// meet, cells in no or two materials, groups that are not there or lie on no cell, nodes at one
-/// place, interfaces that are not where they have to be.
+/// place, interfaces that are not where they have to be, more refinements than can be numbered.
 ///
 /// # Parallel
 /// Local.
 pub fn build(file: &FileMesh, request: &Request, name: &str) -> Result<WholeMesh> {
-    made(file, request).map_err(|error| match error {
+    let mut meshes = nested(file, request, name, Keep::Finest)?;
+    meshes.pop().ok_or_else(|| Error::Bug("no mesh of the file".into()))
+}
+
+/// Which meshes are wanted where one is refined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Keep {
+    /// The finest one.
+    Finest,
+    /// All that can be made, coarsest first: an interface that cuts nothing in a coarse mesh leaves
+    /// it and those below out.
+    All,
+}
+
+/// As [`build`], with coarser meshes before the finest.
+///
+/// # Errors
+/// As [`build`].
+pub fn nested(
+    file: &FileMesh,
+    request: &Request,
+    name: &str,
+    keep: Keep,
+) -> Result<Vec<WholeMesh>> {
+    made(file, request, keep).map_err(|error| match error {
         Error::Input(text) => wrong(format!("{name}: {text}")),
         other => other,
     })
 }
 
-fn made(file: &FileMesh, request: &Request) -> Result<WholeMesh> {
+fn made(file: &FileMesh, request: &Request, keep: Keep) -> Result<Vec<WholeMesh>> {
     let mut remarks = file.remarks.clone();
     let mut cells = collect(file, request.scale, &mut remarks)?;
     raise::raise(&mut cells, request.raise_order, &mut remarks)?;
-    remark_on_locking(&cells, &mut remarks);
-    jacobian::check(&cells)?;
-    let groups = Groups::new(file, cells.dim());
-    let materials = materials::assign(&cells, &groups, &request.materials)?;
-    let table = FacetTable::new(cells.view());
-    let mut mates = table.mates(&cells)?;
-    let known = Known { cells: &cells, table: &table, groups: &groups, scale: request.scale };
-    let plans = plan(&known, &request.interfaces, &mut remarks)?;
-    let find = |name: &String| surfaces::find(&known, name);
-    let found = request.surfaces.iter().map(find).collect::<Result<Vec<_>>>()?;
-    doubled::check(&cells, &mates, &plans, file)?;
-    touching::check(&cells, &mates, &plans)?;
-    drop(table);
+    refine::check(&cells, request.refine)?;
+    // What is wrong is told of the elements that are in the file.
+    let found = Found::new(file, &cells, request)?;
+    if request.refine == 0 {
+        return Ok(vec![cut_up(cells, found, request, remarks)?]);
+    }
+    let mut meshes = Vec::new();
+    if keep == Keep::All {
+        meshes.extend(cut_up(cells.clone(), found, request, Vec::new()));
+    }
+    let (before, scale) = (cells.shapes.len(), 1.0);
+    let request = Request { scale, ..request.clone() };
+    let mut refiner = Refiner::new(file, cells);
+    for time in 1..=request.refine {
+        let parents = refiner.refine();
+        let is_last = time == request.refine;
+        if !is_last && keep == Keep::Finest {
+            continue;
+        }
+        let (file, cells) = refiner.mesh(is_last);
+        let mut said = Vec::new();
+        if is_last {
+            said.append(&mut remarks);
+            let times = if time == 1 { "once" } else { &format!("{time} times") };
+            let number = count(before, "cell");
+            said.push(format!("{number} refined {times} to {}", cells.shapes.len()));
+        }
+        let found = Found::new(&file, &cells, &request);
+        match found.and_then(|found| cut_up(cells, found, &request, said)) {
+            Ok(mesh) => meshes.push(WholeMesh { parents, ..mesh }),
+            Err(error) if is_last => return Err(error),
+            Err(_) => meshes.clear(),
+        }
+    }
+    meshes[0].parents.clear();
+    Ok(meshes)
+}
 
+/// What a case asks for, found in the cells of a mesh that is not cut yet.
+struct Found {
+    materials: Vec<u32>,
+    mates: Vec<u32>,
+    plans: Vec<Plan>,
+    surfaces: Vec<surfaces::Found>,
+    remarks: Vec<String>,
+}
+
+impl Found {
+    /// Checks the cells too.
+    fn new(file: &FileMesh, cells: &Cells, request: &Request) -> Result<Self> {
+        let mut remarks = Vec::new();
+        remark_on_locking(cells, &mut remarks);
+        jacobian::check(cells)?;
+        let groups = Groups::new(file, cells);
+        let materials = materials::assign(cells, &groups, &request.materials)?;
+        let table = FacetTable::new(cells.view());
+        let mates = table.mates(cells)?;
+        let known = Known { cells, table: &table, groups: &groups, scale: request.scale };
+        let plans = plan(&known, &request.interfaces, &mut remarks)?;
+        let find = |name: &String| surfaces::find(&known, name);
+        let surfaces = request.surfaces.iter().map(find).collect::<Result<Vec<_>>>()?;
+        if request.refine > 0 {
+            remark_on_lone_nodes(&groups, request, &mut remarks);
+        }
+        doubled::check(cells, &mates, &plans, file)?;
+        touching::check(cells, &mates, &plans)?;
+        Ok(Self { materials, mates, plans, surfaces, remarks })
+    }
+}
+
+/// Cuts the mesh along its interfaces.
+fn cut_up(
+    mut cells: Cells,
+    found: Found,
+    request: &Request,
+    mut remarks: Vec<String>,
+) -> Result<WholeMesh> {
+    let Found { materials, mut mates, plans, surfaces: of_request, remarks: more } = found;
+    remarks.extend(more);
     let cuts = plans.iter().filter(|plan| plan.is_cut).flat_map(|plan| plan.lips.iter().flatten());
     let cuts: Vec<WholeFacet> = cuts.copied().collect();
     let copies =
         if cuts.is_empty() { Copies::none(&cells) } else { cut(&mut cells, &mut mates, &cuts) };
     let interfaces = lips::make(&cells, &copies, plans, &request.interfaces, &mut remarks)?;
     let mut surfaces = Vec::new();
-    for (name, found) in request.surfaces.iter().zip(found) {
+    for (name, found) in request.surfaces.iter().zip(of_request) {
         surfaces.push(surfaces::finish(&cells, &mates, &copies, name, found, &mut remarks));
     }
     let (bodies, body_count) = bodies(cells.view());
@@ -77,8 +167,23 @@ fn made(file: &FileMesh, request: &Request) -> Result<WholeMesh> {
         body_count,
         surfaces,
         interfaces,
+        parents: Vec::new(),
         remarks,
     })
+}
+
+/// Says which surfaces are of nodes, between which refinement puts nodes that are not in them.
+fn remark_on_lone_nodes(groups: &Groups, request: &Request, remarks: &mut Vec<String>) {
+    for name in &request.surfaces {
+        let number = groups.lone_nodes(name);
+        if number > 1 {
+            remarks.push(format!(
+                "surface `{name}`: a group of nodes keeps its {number} nodes of the file, and gets \
+                 none of those that `mesh.refine` puts between them; a group of facets or edges \
+                 gets them"
+            ));
+        }
+    }
 }
 
 /// Says that simplices of first order lock.

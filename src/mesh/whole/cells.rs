@@ -106,7 +106,7 @@ pub fn check_size(connectivity: usize) -> Result<()> {
     }
     Err(wrong(format!(
         "its cells have {connectivity} nodes together; more than {} cannot be read: give a coarser \
-         mesh and refine it with mesh.refine",
+         mesh",
         i32::MAX
     )))
 }

@@ -34,13 +34,16 @@ impl FoundFacet {
 }
 
 impl<'f> Groups<'f> {
-    pub fn new(file: &'f FileMesh, dim: usize) -> Self {
+    /// Of a file whose cells were taken out of it.
+    pub fn new(file: &'f FileMesh, cells: &Cells) -> Self {
+        let dim = cells.dim();
         let mut counts = vec![0; file.groups.len()];
-        let mut of_sets = vec![0_usize; file.group_sets.len()];
-        for set in file.blocks.iter().flat_map(|block| &block.groups) {
+        let mut of_sets = vec![0_usize; cells.group_sets.len()];
+        let below = file.blocks.iter().filter(|block| block.kind.dim() < dim);
+        for set in below.flat_map(|block| &block.groups).chain(&cells.sets) {
             of_sets[*set as usize] += 1;
         }
-        for (set, number) in file.group_sets.iter().zip(of_sets) {
+        for (set, number) in cells.group_sets.iter().zip(of_sets) {
             set.iter().for_each(|group| counts[*group as usize] += number);
         }
         for (group, nodes) in &file.node_groups {
@@ -78,6 +81,13 @@ impl<'f> Groups<'f> {
     pub fn of_surface(&self, name: &str, whose: &str) -> Result<(u32, usize)> {
         let below = (0..self.dim).rev().find_map(|dim| Some((self.filled(name, dim)?, dim)));
         below.ok_or_else(|| self.missing(name, "facets, edges, points or nodes", whose))
+    }
+
+    /// The number of nodes of the group of this name where it is one of nodes, not of elements.
+    pub fn lone_nodes(&self, name: &str) -> usize {
+        let Ok((group, 0)) = self.of_surface(name, "") else { return 0 };
+        let of_group = self.file.node_groups.iter().filter(|(of, _)| *of == group);
+        of_group.map(|(_, nodes)| nodes.len()).sum()
     }
 
     /// A group that has elements.

@@ -1,5 +1,5 @@
-//! Meshes from files made whole: checked, in SI units, raised to full kinds of cells, given their
-//! materials, and cut along their interfaces.
+//! Meshes from files made whole: checked, in SI units, raised to full kinds of cells, refined,
+//! given their materials, and cut along their interfaces.
 //!
 //! In: what a reader found in a file ([`FileMesh`](super::import::FileMesh)) and what a case asks
 //! of it ([`Request`]). Out: a [`WholeMesh`] on the rank that asked. Nothing here communicates.
@@ -13,6 +13,7 @@ mod words;
 mod request;
 mod cells;
 mod raise;
+mod refine;
 mod facets;
 mod groups;
 mod materials;
@@ -35,10 +36,11 @@ mod dual;
 mod tests;
 
 pub use across::facing;
-pub use build::build;
+pub use build::{Keep, build, nested};
 pub use digest::digest;
 pub use dual::dual_graph;
 pub use facet::WholeFacet;
 pub use normals::{area, surface_normals};
+pub use refine::{Parent, reference_points};
 pub use request::{InterfacePlace, InterfaceRequest, MaterialGroups, Request};
 pub use types::{Facing, MAX_FACET_NODES, WholeInterface, WholeMesh, WholeSurface};

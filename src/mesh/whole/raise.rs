@@ -8,11 +8,14 @@ use crate::error::Result;
 use crate::mesh::import::Kind;
 
 /// Where the nodes of a shape of second order lie that are no corners: local node and corners.
-struct Middles {
-    edges: Vec<(usize, [usize; 2])>,
-    faces: Vec<(usize, [usize; 4])>,
-    centre: Option<usize>,
+pub struct Middles {
+    pub edges: Vec<(usize, [usize; 2])>,
+    pub faces: Vec<(usize, [usize; 4])>,
+    pub centre: Option<usize>,
 }
+
+/// The position (m) of a new node: of the cells, a cell, and the corners in whose middle it lies.
+type Place<'p> = &'p dyn Fn(&Cells, usize, &[usize]) -> [f64; 3];
 
 /// Gives every cell its shape: serendipity kinds get the nodes that they lack on faces and inside,
 /// and cells of first order become of second order if `order` is 2. New nodes are shared.
@@ -41,14 +44,17 @@ pub fn raise(cells: &mut Cells, order: Option<u32>, remarks: &mut Vec<String>) -
         return Ok(());
     }
     check_size(length)?;
-    make_room(cells, length);
+    make_room(cells, Shape::nodes);
     let middles: Vec<Middles> = Shape::ALL.iter().map(|shape| middles(*shape)).collect();
     let has_edges = |kind: &Kind| kind.nodes() == corner_nodes(*kind);
     if is_raised && cells.kinds.iter().any(has_edges) {
-        fill_edges(cells, &middles);
+        cells.edges = fill_edges(cells, &middles, &mean);
     }
-    fill_faces(cells, &middles);
-    fill_centres(cells, &middles);
+    let inside = |cells: &Cells, cell: usize, corners: &[usize]| {
+        serendipity(cells, cell, &middles[cells.shapes[cell] as usize], corners)
+    };
+    fill_faces(cells, &middles, &inside);
+    fill_centres(cells, &middles, &inside);
     Ok(())
 }
 
@@ -104,14 +110,15 @@ fn remark(cells: &Cells, remarks: &mut Vec<String>) {
     }
 }
 
-/// Makes room for the nodes that are to come; until then they are [`NONE`].
-fn make_room(cells: &mut Cells, length: usize) {
+/// Makes room for the nodes that are to come, so many for each shape; until then they are [`NONE`].
+pub fn make_room(cells: &mut Cells, nodes_of: impl Fn(Shape) -> usize) {
+    let length = cells.shapes.iter().map(|shape| nodes_of(*shape)).sum();
     let mut nodes = Vec::with_capacity(length);
     let mut start = Vec::with_capacity(cells.start.len());
     start.push(0);
     for (cell, shape) in cells.shapes.iter().enumerate() {
         let range = cells.start[cell] as usize..cells.start[cell + 1] as usize;
-        let end = nodes.len() + shape.nodes();
+        let end = nodes.len() + nodes_of(*shape);
         nodes.extend_from_slice(&cells.nodes[range]);
         nodes.resize(end, NONE);
         start.push(end as u32);
@@ -119,8 +126,16 @@ fn make_room(cells: &mut Cells, length: usize) {
     (cells.nodes, cells.start) = (nodes, start);
 }
 
-/// Nodes in the middle of edges that have none.
-fn fill_edges(cells: &mut Cells, middles: &[Middles]) {
+/// Gives nodes to the middles of edges that have none; all middles by the ends of their edges,
+/// rising.
+///
+/// # Arguments
+/// * `middles` of each shape, by its number
+pub fn fill_edges(
+    cells: &mut Cells,
+    middles: &[Middles],
+    place: Place<'_>,
+) -> Vec<([u32; 2], u32)> {
     let things = || {
         let cells = &*cells;
         (0..cells.shapes.len()).flat_map(move |cell| {
@@ -132,19 +147,28 @@ fn fill_edges(cells: &mut Cells, middles: &[Middles]) {
         })
     };
     let buckets = Buckets::new(cells.points.len(), things);
+    let mut found = Vec::new();
     for (first, run) in buckets.runs() {
-        let ends = [first, run[0].rest[0]];
         let node = known(cells, run).unwrap_or_else(|| {
-            let [a, b] = ends.map(|end| cells.points[end as usize]);
-            push(cells, std::array::from_fn(|i| 0.5 * (a[i] + b[i])))
+            let (cell, local) = owner(cells, run[0].id);
+            let edges = &middles[cells.shapes[cell] as usize].edges;
+            let edge = edges.iter().find(|(node, _)| *node == local);
+            let point = place(cells, cell, edge.map_or(&[], |(_, ends)| ends));
+            push(cells, point)
         });
         fill(cells, run, node);
-        cells.edges.push((ends, node));
+        found.push(([first, run[0].rest[0]], node));
     }
+    found
 }
 
-/// Nodes in the middle of quadrilaterals that have none.
-fn fill_faces(cells: &mut Cells, middles: &[Middles]) {
+/// Gives nodes to the middles of quadrilaterals that have none; all middles by their corners, the
+/// first of which is the lowest, in rising order. Arguments as of [`fill_edges`].
+pub fn fill_faces(
+    cells: &mut Cells,
+    middles: &[Middles],
+    place: Place<'_>,
+) -> Vec<([u32; 4], u32)> {
     let things = || {
         let cells = &*cells;
         (0..cells.shapes.len()).flat_map(move |cell| {
@@ -156,32 +180,45 @@ fn fill_faces(cells: &mut Cells, middles: &[Middles]) {
         })
     };
     let buckets = Buckets::new(cells.points.len(), things);
-    for (_, run) in buckets.runs() {
+    let mut found = Vec::new();
+    for (first, run) in buckets.runs() {
         let node = known(cells, run).unwrap_or_else(|| {
-            let place = run[0].id;
-            let cell = cells.start.partition_point(|start| *start <= place) - 1;
-            let of_shape = &middles[cells.shapes[cell] as usize];
-            let local = (place - cells.start[cell]) as usize;
-            let face = of_shape.faces.iter().find(|(node, _)| *node == local);
-            let corners: &[usize] = face.map_or(&[], |(_, corners)| corners);
-            push(cells, serendipity(cells, cell, of_shape, corners))
+            let (cell, local) = owner(cells, run[0].id);
+            let faces = &middles[cells.shapes[cell] as usize].faces;
+            let face = faces.iter().find(|(node, _)| *node == local);
+            let point = place(cells, cell, face.map_or(&[], |(_, corners)| corners));
+            push(cells, point)
         });
         fill(cells, run, node);
+        let [b, c, d] = run[0].rest;
+        found.push(([first, b, c, d], node));
+    }
+    found
+}
+
+/// Gives nodes to the middles of cells that have none. Arguments as of [`fill_edges`].
+pub fn fill_centres(cells: &mut Cells, middles: &[Middles], place: Place<'_>) {
+    for cell in 0..cells.shapes.len() {
+        let Some(local) = middles[cells.shapes[cell] as usize].centre else { continue };
+        let at = cells.start[cell] as usize + local;
+        if cells.nodes[at] == NONE {
+            let corners: Vec<usize> = (0..cells.shapes[cell].corners().nodes()).collect();
+            let point = place(cells, cell, &corners);
+            cells.nodes[at] = push(cells, point);
+        }
     }
 }
 
-/// Nodes in the middle of cells that have none.
-fn fill_centres(cells: &mut Cells, middles: &[Middles]) {
-    for cell in 0..cells.shapes.len() {
-        let of_shape = &middles[cells.shapes[cell] as usize];
-        let Some(local) = of_shape.centre else { continue };
-        let place = cells.start[cell] as usize + local;
-        if cells.nodes[place] == NONE {
-            let corners: Vec<usize> = (0..cells.shapes[cell].corners().nodes()).collect();
-            let point = serendipity(cells, cell, of_shape, &corners);
-            cells.nodes[place] = push(cells, point);
-        }
+/// The mean of some corners (m).
+pub fn mean(cells: &Cells, cell: usize, corners: &[usize]) -> [f64; 3] {
+    let from = cells.start[cell] as usize;
+    let mut sum = [0.0; 3];
+    for corner in corners {
+        let point = cells.points[cells.nodes[from + corner] as usize];
+        sum.iter_mut().zip(point).for_each(|(sum, x)| *sum += x);
     }
+    // Two, four or eight: to multiply is exact.
+    sum.map(|x| x * (1.0 / corners.len() as f64))
 }
 
 /// The middle of a quadrilateral (4 corners) or a hexahedron (8) by the serendipity interpolation:
@@ -207,6 +244,12 @@ fn known<const R: usize>(cells: &Cells, run: &[Entry<R>]) -> Option<u32> {
     run.iter().map(|entry| cells.nodes[entry.id as usize]).find(|node| *node != NONE)
 }
 
+/// The cell of a place in the connectivity, and its local node there.
+fn owner(cells: &Cells, place: u32) -> (usize, usize) {
+    let cell = cells.start.partition_point(|start| *start <= place) - 1;
+    (cell, (place - cells.start[cell]) as usize)
+}
+
 fn push(cells: &mut Cells, point: [f64; 3]) -> u32 {
     cells.points.push(point);
     (cells.points.len() - 1) as u32
@@ -223,7 +266,7 @@ fn fill<const R: usize>(cells: &mut Cells, run: &[Entry<R>], node: u32) {
 
 /// Finds the corners of which each node is the middle: one pair for an edge, both diagonals for a
 /// quadrilateral, four for a hexahedron.
-fn middles(shape: Shape) -> Middles {
+pub fn middles(shape: Shape) -> Middles {
     let points = shape.node_points();
     let corners = shape.corners().nodes();
     let mut found = Middles { edges: Vec::new(), faces: Vec::new(), centre: None };

@@ -7,6 +7,8 @@ pub struct Request {
     pub scale: f64,
     /// The order to which cells of first order are raised: 2, or none to leave them as they are.
     pub raise_order: Option<u32>,
+    /// How often every edge is halved after that.
+    pub refine: u32,
     /// The groups of cells of each material. A single material without groups has all cells.
     pub materials: Vec<MaterialGroups>,
     /// Names of groups of facets, edges, points or nodes; `all`, where the file has no such group

@@ -1,6 +1,7 @@
 //! A whole mesh on one rank.
 
 use super::facet::WholeFacet;
+use super::refine::Parent;
 use super::view::View;
 use crate::element::Shape;
 
@@ -35,6 +36,8 @@ pub struct WholeMesh {
     pub surfaces: Vec<WholeSurface>,
     /// The interfaces as asked for, in that order.
     pub interfaces: Vec<WholeInterface>,
+    /// Where each cell lies in the next coarser mesh; none where there is none.
+    pub parents: Vec<Parent>,
     /// What is to be said of the mesh, in words.
     pub remarks: Vec<String>,
 }

@@ -43,6 +43,17 @@ pub fn check_whole(
     checked.map_err(|AtNode(_, error)| error)
 }
 
+/// Whether some facets of interfaces in the mesh of a file have no multiplier of their own.
+/// Collective.
+pub fn has_lost_facets(comm: &Comm, case: &Case, mesh: &LocalMesh, sides: &[Sides]) -> bool {
+    let prescribed = Prescribed::new(case);
+    let special = special_of(case, mesh, sides, &prescribed);
+    let carriers = Carriers { mesh, special: &special, prescribed: &prescribed };
+    let (fixed, is_lost) = (|name| carriers.fixed(name), |name| carriers.is_lost(name));
+    let nodes = Multipliers { fixed: &fixed, is_lost: &is_lost };
+    comm.any(mesh.is_of_file() && !lost_facets(mesh, sides, &nodes).is_empty())
+}
+
 /// As local or collective as the `sum` over ranks is.
 fn loads(case: &Case, mesh: &LocalMesh, sum: impl Fn(u64) -> u64) -> Result<()> {
     for (number, entry) in case.boundary.iter().enumerate() {

@@ -111,7 +111,7 @@ impl LinearChoice {
 
     /// The choice for a mesh that has no coarser level: elimination in the place of multigrid.
     pub fn without_levels(self) -> Self {
-        let why = format!("{}, but the mesh is too small for a coarser lattice", self.why);
+        let why = format!("{}, but the mesh is too small for a coarser one", self.why);
         Self::named("mumps", why)
     }
 
@@ -157,8 +157,8 @@ impl LinearChoice {
 }
 
 impl LinearChoice {
-    /// The mesh of a file has no coarser ones: elimination, up to where its fill costs more than
-    /// iterations with smoothed aggregation, which knows the rigid motions of slender parts.
+    /// The mesh of a file may have no coarser ones: elimination, up to where its fill costs more
+    /// than iterations with smoothed aggregation, which knows the rigid motions of slender parts.
     fn for_file(dim: usize, unknowns: f64) -> Self {
         if unknowns < MOST_OF_FILE[dim - 2] {
             let why =

@@ -183,6 +183,7 @@ pub fn request() -> Request {
     Request {
         scale: 1.0,
         raise_order: None,
+        refine: 0,
         materials: vec![MaterialGroups { name: "rock".into(), groups: vec![] }],
         surfaces: vec![],
         interfaces: vec![],

@@ -100,3 +100,18 @@ fn a_file_raised_keeps_its_volume() {
         assert!(raised.points.len() > plain.points.len());
     }
 }
+
+#[test]
+fn every_file_keeps_its_volume_when_it_is_refined() {
+    let mut number = 0;
+    for (name, file) in files() {
+        let Ok(plain) = build(&file, &request(), &name) else { continue };
+        let refined = made(&file, &Request { refine: 1, ..request() });
+        let apart = volume(&refined) / volume(&plain) - 1.0;
+        assert!(apart.abs() < 1e-12, "{name}: {apart}");
+        assert!(refined.cells() >= plain.cells() << plain.dim());
+        assert_eq!(refined.body_count, plain.body_count, "{name}");
+        number += 1;
+    }
+    assert!(number >= 15, "{number}");
+}

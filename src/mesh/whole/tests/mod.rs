@@ -8,4 +8,5 @@ mod graph;
 mod looks;
 mod orienting;
 mod raising;
+mod refining;
 mod sides;

@@ -37,7 +37,7 @@ fn raised_cells_share_their_middle_nodes() {
 }
 
 /// The file of a raised mesh, with each cell's first nodes only and its points bent.
-fn lowered(mesh: &WholeMesh, kind: Kind, bend: impl Fn([f64; 3]) -> [f64; 3]) -> FileMesh {
+pub fn lowered(mesh: &WholeMesh, kind: Kind, bend: impl Fn([f64; 3]) -> [f64; 3]) -> FileMesh {
     let cells = 0..mesh.cells();
     let nodes: Vec<u32> =
         cells.clone().flat_map(|c| mesh.cell_nodes(c)[..kind.nodes()].to_vec()).collect();
