@@ -133,7 +133,7 @@ fn interfaces(
         (rows.interface, all.nodes.names[node], all.nodes.points[node])
     });
     let factors = AtNode::agree(comm, strength_factors(case, places))?;
-    let nodes = NodeData { factors, gaps: gaps(all, sides, case.axes) };
+    let nodes = NodeData { factors, gaps: gaps(comm, case, mesh, sides, all) };
     let mut state = InterfaceState::new(all, joint_laws(case, mesh, sides), nodes);
     state.is_gradual = case.interfaces.iter().any(|i| i.film.is_some());
     Ok(state)

@@ -4,6 +4,7 @@ use crate::assembly::Discretization;
 use crate::case::Case;
 use crate::comm::Comm;
 use crate::interface::{JumpRows, Sides};
+use crate::mesh::{Facet, LocalMesh};
 
 /// What is given at the owned secondary nodes.
 pub struct NodeData {
@@ -17,15 +18,73 @@ pub struct NodeData {
 /// Gaps below this part of the size of facets are those of coordinates with few digits.
 const CLOSE: f64 = 1e-6;
 
+/// Gaps up to so many times what the facets of a curved side cut off are those of the facets: of
+/// either side once.
+const BY_FACETS: f64 = 2.0;
+
 /// The gap of each owned secondary node (m): the jump of the positions along the normal, weighted
 /// as that of the displacement is; negative where the sides have come into each other. 0 at
-/// interfaces whose sides are taken for lying on each other, and where the normal component has no
-/// multiplier. Local.
-pub fn gaps(all: &Discretization, sides: &[Sides], axes: &[usize]) -> Vec<f64> {
-    let owned = all.secondary[..all.owned_secondary()].iter();
-    owned
-        .map(|rows| if sides[rows.interface].has_gap { gap(all, rows, axes) } else { 0.0 })
-        .collect()
+/// interfaces whose sides are taken for lying on each other or are nowhere farther apart than their
+/// facets cut off the curve, and where the normal component has no multiplier. Collective.
+pub fn gaps(
+    comm: &Comm,
+    case: &Case,
+    mesh: &LocalMesh,
+    sides: &[Sides],
+    all: &Discretization,
+) -> Vec<f64> {
+    let owned = || all.secondary[..all.owned_secondary()].iter();
+    let of = |rows: &JumpRows<u32>| {
+        if sides[rows.interface].has_gap { gap(all, rows, case.axes) } else { 0.0 }
+    };
+    let mut gaps: Vec<f64> = owned().map(of).collect();
+    // The widest gap of each interface, and what a facet cuts off.
+    let mut most = vec![[0.0_f64; 2]; case.interfaces.len()];
+    for (rows, gap) in owned().zip(&gaps) {
+        most[rows.interface][0] = most[rows.interface][0].max(gap.abs());
+    }
+    for side in sides.iter().filter(|side| side.has_gap) {
+        for facet in mesh.on_lip(side.interface, side.secondary) {
+            most[side.interface][1] = most[side.interface][1].max(cut_off(all, mesh, *facet));
+        }
+    }
+    comm.max(most.as_flattened_mut());
+    let is_closed = |interface: usize| most[interface][0] <= BY_FACETS * most[interface][1];
+    for (interface, [widest, _]) in most.iter().enumerate() {
+        if *widest > 0.0 && is_closed(interface) {
+            let name = &case.interfaces[interface].name;
+            tracing::info!(
+                "gap        interface {name}: gaps of up to {widest:.3e} m, no more than the \
+                 facets of its curved sides cut off, are taken for closed"
+            );
+        }
+    }
+    for (rows, gap) in owned().zip(&mut gaps) {
+        *gap = if is_closed(rows.interface) { 0.0 } else { *gap };
+    }
+    gaps
+}
+
+/// How far an arc between two nodes of a facet, whose normals are those of the interface there,
+/// bows over its chord (m): an eighth of its length times the angle. Local.
+fn cut_off(all: &Discretization, mesh: &LocalMesh, facet: Facet) -> f64 {
+    let normal_at = |node: &u32| {
+        let node = all.nodes.local(mesh.nodes.names[*node as usize])?;
+        let rows = &all.secondary[all.secondary_of[node as usize]? as usize];
+        rows.rows[all.dim - 1].as_ref()?;
+        let normal = all.frames.rotation(node)[all.dim - 1];
+        Some((all.nodes.points[node as usize], normal))
+    };
+    let known: Vec<_> = mesh.facet_nodes(facet).1.iter().filter_map(normal_at).collect();
+    let distance =
+        |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
+    let mut most = 0.0_f64;
+    for (i, (x, n)) in known.iter().enumerate() {
+        for (y, m) in &known[..i] {
+            most = most.max(distance(x, y) * distance(n, m) / 8.0);
+        }
+    }
+    most
 }
 
 /// The gaps of the interfaces that have any, in words. Collective.
