@@ -252,7 +252,10 @@ fn assert_message(fault: &Fault, ended: &Ended, label: &str) {
         }
         "panic" => {
             assert_eq!(ended.status, Some(101), "{label}");
-            assert!(text.starts_with(&format!("[rank {rank}] panicked at src")), "{label}");
+            assert!(
+                text.starts_with(&format!("[rank {rank}] panicked at tests/faults/")),
+                "{label}"
+            );
             assert_eq!(lines[1], format!("a test asked for a panic in phase {phase}"), "{label}");
             assert!(lines[2].ends_with("please report it with the case file."), "{label}");
             assert_eq!(lines.len(), 3, "{label}");
