@@ -18,8 +18,7 @@ pub struct NodeData {
 /// Gaps below this part of the size of facets are those of coordinates with few digits.
 const CLOSE: f64 = 1e-6;
 
-/// Gaps up to so many times what the facets of a curved side cut off are those of the facets: of
-/// either side once.
+/// Gaps up to so many times what the facets of two curved sides cut off are those of the facets.
 const BY_FACETS: f64 = 2.0;
 
 /// The gap of each owned secondary node (m): the jump of the positions along the normal, weighted
@@ -38,18 +37,18 @@ pub fn gaps(
         if sides[rows.interface].has_gap { gap(all, rows, case.axes) } else { 0.0 }
     };
     let mut gaps: Vec<f64> = owned().map(of).collect();
-    // The widest gap of each interface, and what a facet cuts off.
+    // The widest gap of each interface, and whether one is wider than facets make it.
+    let allowed = cut_off_at_nodes(mesh, sides, all);
     let mut most = vec![[0.0_f64; 2]; case.interfaces.len()];
     for (rows, gap) in owned().zip(&gaps) {
-        most[rows.interface][0] = most[rows.interface][0].max(gap.abs());
-    }
-    for side in sides.iter().filter(|side| side.has_gap) {
-        for facet in mesh.on_lip(side.interface, side.secondary) {
-            most[side.interface][1] = most[side.interface][1].max(cut_off(all, mesh, *facet));
+        let [widest, is_wider] = &mut most[rows.interface];
+        *widest = widest.max(gap.abs());
+        if gap.abs() > BY_FACETS * allowed[rows.node as usize] {
+            *is_wider = 1.0;
         }
     }
     comm.max(most.as_flattened_mut());
-    let is_closed = |interface: usize| most[interface][0] <= BY_FACETS * most[interface][1];
+    let is_closed = |interface: usize| most[interface][1] == 0.0;
     for (interface, [widest, _]) in most.iter().enumerate() {
         if *widest > 0.0 && is_closed(interface) {
             let name = &case.interfaces[interface].name;
@@ -65,26 +64,53 @@ pub fn gaps(
     gaps
 }
 
-/// How far an arc between two nodes of a facet, whose normals are those of the interface there,
-/// bows over its chord (m): an eighth of its length times the angle. Local.
-fn cut_off(all: &Discretization, mesh: &LocalMesh, facet: Facet) -> f64 {
+/// How far arcs bow over the facets of both sides at each owned node of a secondary lip (m): an
+/// eighth of the square of a facet's length times the curvature, which the normals at the nodes of
+/// its facets tell. 0 where the interface is flat, at one side of a kink too. Collective.
+fn cut_off_at_nodes(mesh: &LocalMesh, sides: &[Sides], all: &Discretization) -> Vec<f64> {
+    let mut sums = vec![[0.0_f64; 2]; all.nodes.len()];
+    for side in sides.iter().filter(|side| side.has_gap) {
+        let across = mesh.facts.interfaces[side.interface][side.primary().index()].cell[0];
+        for facet in mesh.on_lip(side.interface, side.secondary) {
+            let Some((cut_off, nodes)) = cut_off(all, mesh, *facet, across) else { continue };
+            for node in nodes {
+                let [sum, count] = &mut sums[node as usize];
+                (*sum, *count) = (*sum + cut_off, *count + 1.0);
+            }
+        }
+    }
+    all.nodes.add_to_owners(sums.as_flattened_mut(), 2);
+    let owned = sums[..all.nodes.owned].iter();
+    owned.map(|[sum, count]| if *count > 0.0 { sum / count } else { 0.0 }).collect()
+}
+
+/// What a facet and one of length `across` (m) on the other side cut off, and the nodes of the
+/// facet; none where fewer than two of them have a normal. Local.
+fn cut_off(
+    all: &Discretization,
+    mesh: &LocalMesh,
+    facet: Facet,
+    across: f64,
+) -> Option<(f64, Vec<u32>)> {
+    let names = mesh.facet_nodes(facet).1.into_iter().map(|n| mesh.nodes.names[n as usize]);
+    let nodes: Vec<u32> = names.filter_map(|name| all.nodes.local(name)).collect();
     let normal_at = |node: &u32| {
-        let node = all.nodes.local(mesh.nodes.names[*node as usize])?;
-        let rows = &all.secondary[all.secondary_of[node as usize]? as usize];
+        let rows = &all.secondary[all.secondary_of[*node as usize]? as usize];
         rows.rows[all.dim - 1].as_ref()?;
-        let normal = all.frames.rotation(node)[all.dim - 1];
-        Some((all.nodes.points[node as usize], normal))
+        let normal = all.frames.rotation(*node)[all.dim - 1];
+        Some((all.nodes.points[*node as usize], normal))
     };
-    let known: Vec<_> = mesh.facet_nodes(facet).1.iter().filter_map(normal_at).collect();
+    let known: Vec<_> = nodes.iter().filter_map(normal_at).collect();
     let distance =
         |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
     let mut most = 0.0_f64;
     for (i, (x, n)) in known.iter().enumerate() {
         for (y, m) in &known[..i] {
-            most = most.max(distance(x, y) * distance(n, m) / 8.0);
+            let (length, angle) = (distance(x, y), distance(n, m));
+            most = most.max((length.powi(2) + across.powi(2)) * angle / length / 8.0);
         }
     }
-    most
+    (known.len() > 1).then_some((most, nodes))
 }
 
 /// The gaps of the interfaces that have any, in words. Collective.
