@@ -192,10 +192,18 @@ impl CoupledMatrix {
         let width = coupled.len() * dim;
         let mut across = vec![0.0; width * np];
         let mut back = vec![0.0; width * np];
-        let coupling = pores.prototypes[cell.prototype as usize].coupling();
-        for (row, expansion) in coupling.chunks_exact(np).zip(&expansions) {
-            for (unknown, a) in expansion {
-                for (b, q) in row.iter().enumerate() {
+        let like = &pores.prototypes[cell.prototype as usize];
+        let (mut framed, nodes) = (Vec::new(), all.cells.nodes(cell.cell as usize));
+        let forces = if all.frames.touch(nodes) {
+            framed.extend_from_slice(like.forces());
+            all.frames.fold_rows(nodes, &mut framed);
+            &framed[..]
+        } else {
+            like.forces()
+        };
+        for (b, forces) in forces.chunks_exact(expansions.len()).enumerate() {
+            for (q, expansion) in forces.iter().zip(&expansions) {
+                for (unknown, a) in expansion {
                     across[unknown * np + b] -= scale * a * q;
                     back[b * width + unknown] -= scale * a * q;
                 }

@@ -18,13 +18,24 @@ pub struct FilmNode {
     pub corners: Vec<(u32, f64)>,
 }
 
+/// A part of the opening at a node of a facet.
+#[derive(Debug, Clone, Copy)]
+pub struct Opening {
+    /// The place of the node in the facet.
+    pub node: u8,
+    /// Index into `Discretization::secondary` of the opening.
+    pub secondary: u32,
+    /// Its part.
+    pub part: f64,
+}
+
 /// The film in a secondary facet of one of the rank's cells.
 #[derive(Debug, Clone)]
 pub struct FilmFacet {
     /// Index among the prototypes.
     pub prototype: u32,
-    /// Indices into `Discretization::secondary`, in the order of the nodes of the facet.
-    pub nodes: Vec<u32>,
+    /// What makes up the openings at its nodes; where nothing does they are 0.
+    pub openings: Vec<Opening>,
     /// Local pressure nodes of its corners.
     pub corners: Vec<u32>,
 }
@@ -140,11 +151,10 @@ impl Films {
         let PoroState { displacement: u, pressure: p } = state;
         let (mut opening, mut pressure) = (Vec::new(), Vec::new());
         for facet in &self.facets {
-            opening.clear();
-            opening.extend(facet.nodes.iter().map(|node| Self::opening(all, *node, u)));
+            let film = &self.prototypes[facet.prototype as usize];
+            facet.set_openings(all, u, film.nodes(), &mut opening);
             pressure.clear();
             pressure.extend(facet.corners.iter().map(|c| p[*c as usize] - fluid.reference));
-            let film = &self.prototypes[facet.prototype as usize];
             let state = FilmState { opening: &opening, pressure: &pressure, gravity: *gravity };
             act(facet, film, fluid, state);
         }
@@ -200,6 +210,17 @@ impl Films {
     }
 }
 
+impl FilmFacet {
+    /// The openings at its `count` nodes for displacements `u` of all local nodes (m).
+    fn set_openings(&self, all: &Discretization, u: &[f64], count: usize, out: &mut Vec<f64>) {
+        out.clear();
+        out.resize(count, 0.0);
+        for Opening { node, secondary, part } in &self.openings {
+            out[*node as usize] += part * Films::opening(all, *secondary, u);
+        }
+    }
+}
+
 impl FilmTangent {
     /// Adds the products with changes of displacements and pressures, `change` of all local nodes,
     /// at all local pressure nodes (m3). Local.
@@ -211,13 +232,16 @@ impl FilmTangent {
         rows: &mut [f64],
     ) {
         let PoroState { displacement: u, pressure: p } = change;
+        let mut opened = Vec::new();
         for (facet, [by_pressure, by_opening]) in films.facets.iter().zip(&self.facets) {
-            let (corners, nodes) = (facet.corners.len(), facet.nodes.len());
+            let corners = facet.corners.len();
+            let nodes = films.prototypes[facet.prototype as usize].nodes();
+            facet.set_openings(all, u, nodes, &mut opened);
             for (a, corner) in facet.corners.iter().enumerate() {
                 let of_p = by_pressure[a * corners..][..corners].iter().zip(&facet.corners);
-                let of_u = by_opening[a * nodes..][..nodes].iter().zip(&facet.nodes);
+                let of_u = by_opening[a * nodes..][..nodes].iter().zip(&opened);
                 rows[*corner as usize] += of_p.map(|(k, n)| k * p[*n as usize]).sum::<f64>()
-                    + of_u.map(|(k, i)| k * Films::opening(all, *i, u)).sum::<f64>();
+                    + of_u.map(|(k, w)| k * w).sum::<f64>();
             }
         }
         for (node, stored) in films.nodes.iter().zip(&self.nodes) {

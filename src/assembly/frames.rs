@@ -128,18 +128,24 @@ impl Frames {
     /// their unknowns. The ends of an edge whose middle is a node of the cell are nodes of it too.
     pub fn fold_matrix(&self, nodes: &[u32], matrix: &mut [f64]) {
         let size = nodes.len() * self.dim;
+        for _ in 0..2 {
+            self.fold_rows(nodes, matrix);
+            transpose(matrix, size);
+        }
+    }
+
+    /// Makes forces on the displacements of the local `nodes` of a cell those on their unknowns:
+    /// one set of them in each row of a matrix.
+    pub fn fold_rows(&self, nodes: &[u32], matrix: &mut [f64]) {
         let place = |node: u32| nodes.iter().position(|n| *n == node);
         let places: Vec<_> = self.framed_of(nodes).collect();
-        for _ in 0..2 {
-            for row in matrix.chunks_exact_mut(size) {
-                for (framed, own) in places.iter().rev() {
-                    let ends = framed.ends.map(|ends| {
-                        ends.map(|end| place(end).expect("an edge of the cell") as u32)
-                    });
-                    self.gather(framed, *own, ends, row);
-                }
+        for row in matrix.chunks_exact_mut(nodes.len() * self.dim) {
+            for (framed, own) in places.iter().rev() {
+                let ends = framed
+                    .ends
+                    .map(|ends| ends.map(|end| place(end).expect("an edge of the cell") as u32));
+                self.gather(framed, *own, ends, row);
             }
-            transpose(matrix, size);
         }
     }
 

@@ -20,7 +20,7 @@ mod coupled_matrix;
 
 pub use cells::{CellSet, Cells};
 pub use coupled_matrix::{CoupledMatrix, CoupledValues};
-pub use films::{FilmFacet, FilmNode, FilmTangent, Films};
+pub use films::{FilmFacet, FilmNode, FilmTangent, Films, Opening};
 pub use frames::{Framed, Frames};
 pub use node_state::NodeState;
 pub use operator::TangentOperator;

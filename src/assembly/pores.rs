@@ -3,13 +3,13 @@
 //! The pressure is linear in every porous cell, whatever the order of the displacement; its nodes
 //! are the corners of the cells, with the same names. Owned nodes come first, as everywhere.
 
+mod coupling;
 mod matrix;
 
 use super::Discretization;
 use super::films::Films;
 use crate::bulk::{BalanceSums, FlowStep, MAX_CORNERS, PoroState, PorousCell};
 use crate::comm::Comm;
-use crate::simd::{Kernel, widest};
 use crate::space::Nodes;
 
 /// A porous cell of this rank.
@@ -67,37 +67,6 @@ pub struct PoreSpace {
     pub films: Films,
 }
 
-/// [`PoreSpace::add_cell_forces`].
-struct CellForces<'a> {
-    pores: &'a PoreSpace,
-    all: &'a Discretization,
-    p: &'a [f64],
-    absolute: bool,
-    force: &'a mut [f64],
-}
-
-impl Kernel for CellForces<'_> {
-    #[inline(always)]
-    fn run(self) {
-        self.pores.add_cell_forces(self.all, self.p, self.absolute, self.force);
-    }
-}
-
-/// [`PoreSpace::add_cell_volumes`].
-struct CellVolumes<'a> {
-    pores: &'a PoreSpace,
-    all: &'a Discretization,
-    u: &'a [f64],
-    volume: &'a mut [f64],
-}
-
-impl Kernel for CellVolumes<'_> {
-    #[inline(always)]
-    fn run(self) {
-        self.pores.add_cell_volumes(self.all, self.u, self.volume);
-    }
-}
-
 impl PoreSpace {
     /// Takes the displacements of the nodes of a cell out of those of all local nodes.
     #[inline(always)]
@@ -118,72 +87,6 @@ impl PoreSpace {
         of
     }
 
-    /// Adds the forces of the pressures `p` of all local nodes (Pa) on the local displacement nodes
-    /// (N), in the pores and on the lips; above the references where `absolute`. Local.
-    pub fn add_forces(&self, all: &Discretization, p: &[f64], absolute: bool, force: &mut [f64]) {
-        self.films.add_forces(all, p, absolute, force);
-        widest(CellForces { pores: self, all, p, absolute, force });
-    }
-
-    #[inline(always)]
-    fn add_cell_forces(&self, all: &Discretization, p: &[f64], absolute: bool, force: &mut [f64]) {
-        let mut of_cell = Vec::new();
-        for cell in &self.cells {
-            let np = cell.corners().len();
-            let like = &self.prototypes[cell.prototype as usize];
-            let reference = if absolute { like.medium.reference } else { 0.0 };
-            let p = self.pressures(cell, p, reference);
-            if p[..np].iter().all(|p| *p == 0.0) {
-                continue;
-            }
-            let nodes = all.cells.nodes(cell.cell as usize);
-            of_cell.clear();
-            of_cell.resize(nodes.len() * self.dim, 0.0);
-            like.add_force(&p[..np], &mut of_cell);
-            for (node, f) in nodes.iter().zip(of_cell.chunks_exact(self.dim)) {
-                let target = &mut force[*node as usize * self.dim..][..self.dim];
-                target.iter_mut().zip(f).for_each(|(t, f)| *t += f);
-            }
-        }
-    }
-
-    /// The largest sum of the magnitudes of what displacements of 1 m add to the balance at a node
-    /// of this rank's cells (m3/m). Local.
-    pub fn largest_coupling(&self) -> f64 {
-        let at = |cell: &PorousCell, corner: usize| {
-            let corners = cell.corners();
-            cell.coupling().iter().skip(corner).step_by(corners).map(|k| k.abs()).sum::<f64>()
-        };
-        let all = |cell: &PorousCell| {
-            (0..cell.corners()).map(|corner| at(cell, corner)).fold(0.0, f64::max)
-        };
-        // As many boxes meet at a node.
-        let boxes = f64::from(1 << self.dim);
-        boxes * self.prototypes.iter().map(all).fold(0.0, f64::max)
-    }
-
-    /// Adds b times the volume that displacements make in cells, and the volume that opens between
-    /// lips, at the shares of the local pressure nodes (m3): the transpose of
-    /// [`PoreSpace::add_forces`]. Local.
-    pub fn add_volumes(&self, all: &Discretization, u: &[f64], volume: &mut [f64]) {
-        self.films.add_volumes(all, u, volume);
-        widest(CellVolumes { pores: self, all, u, volume });
-    }
-
-    #[inline(always)]
-    fn add_cell_volumes(&self, all: &Discretization, u: &[f64], volume: &mut [f64]) {
-        let mut of_cell = Vec::new();
-        for cell in self.cells.iter().filter(|cell| self.is_free(cell)) {
-            self.gather(all, cell, u, &mut of_cell);
-            let mut own = [0.0; MAX_CORNERS];
-            let like = &self.prototypes[cell.prototype as usize];
-            like.add_volume(&of_cell, &mut own);
-            for (node, v) in cell.corners().iter().zip(&own) {
-                volume[*node as usize] += v;
-            }
-        }
-    }
-
     /// Whether a pressure of the cell is to be found.
     #[inline(always)]
     fn is_free(&self, cell: &PoreCell) -> bool {
@@ -202,7 +105,8 @@ impl PoreSpace {
         every: bool,
         sums: BalanceSums<'_>,
     ) {
-        self.each(all, end.displacement, every, sums, |cell, like, u, sums| {
+        let displacement = all.frames.displacements(end.displacement);
+        self.each(all, &displacement, every, sums, |cell, like, u, sums| {
             let reference = like.medium.reference;
             let of_cell = |p| self.pressures(cell, p, reference);
             let (p, before) = (of_cell(end.pressure), of_cell(before));
@@ -222,7 +126,8 @@ impl PoreSpace {
     ) {
         let mut sizes = vec![0.0; rows.len()];
         let sums = BalanceSums { rows, sizes: &mut sizes };
-        self.each(all, state.displacement, true, sums, |cell, like, u, sums| {
+        let displacement = all.frames.displacements(state.displacement);
+        self.each(all, &displacement, true, sums, |cell, like, u, sums| {
             let p = self.pressures(cell, state.pressure, like.medium.reference);
             like.add_stored(PoroState { displacement: u, pressure: &p }, lumped, sums);
         });
@@ -265,7 +170,7 @@ impl PoreSpace {
     }
 
     /// Flux (kg/m2/s by component), pressure above the reference (Pa) and porosity at the centre of
-    /// a cell; `state` is that of all local nodes. Local.
+    /// a cell; `state` has displacements, not unknowns, and pressures of all local nodes. Local.
     pub fn at_centre(
         &self,
         all: &Discretization,

@@ -152,6 +152,11 @@ impl PorousCell {
         &self.coupling
     }
 
+    /// Its transpose: the forces of each pressure of 1 Pa on the nodes, one after the other (m2).
+    pub fn forces(&self) -> &[f64] {
+        &self.transposed
+    }
+
     /// Adds the forces of the pressure on the nodes, b times the integral of div v p (N).
     #[inline(always)] // for `simd`
     pub fn add_force(&self, p: &[f64], force: &mut [f64]) {

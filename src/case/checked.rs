@@ -80,7 +80,17 @@ impl Case {
             return SurfaceBit::All;
         }
         let place = self.surfaces.iter().position(|other| other == surface);
-        SurfaceBit::Place(place.unwrap_or(self.surfaces.len()))
+        SurfaceBit::Place(place.unwrap_or(usize::MAX))
+    }
+
+    /// In the mesh of a file, the place after those of [`Case::surfaces`] of the nodes on both lips
+    /// of an interface whose pressure is imposed in the pores too.
+    pub fn lips_bit(&self, interface: usize) -> Option<SurfaceBit> {
+        let is_one = |i: &&InterfaceSpec| i.connected;
+        self.mesh.file()?;
+        let before = self.interfaces[..interface].iter().filter(is_one).count();
+        let is_connected = self.interfaces[interface].connected;
+        is_connected.then_some(SurfaceBit::Place(self.surfaces.len() + before))
     }
 
     /// Whether a pore pressure acts on the skeleton, with flow or known beforehand.

@@ -119,7 +119,8 @@ pub fn integrate(
     components: usize,
     fixed: &dyn Fn(u64) -> [bool; 3],
 ) -> Result<Terms> {
-    let mut terms = Terms { fits: vec![Fit::default(); sides.len()], ..Terms::default() };
+    let mut terms =
+        Terms { fits: vec![Fit::default(); mesh.facts.interfaces.len()], ..Terms::default() };
     for side in sides {
         if mesh.is_of_file() {
             in_space(mesh, side, components, fixed, &mut terms)?;

@@ -169,7 +169,7 @@ pub fn jump_rows(
     let fixed = nodes.fixed;
     let mut terms = comm.agree(integrate(mesh, sides, components, fixed))?;
     let mut uncovered = Uncovered::default();
-    while uncovered.grow(comm, directory, mesh.facts.order, &terms.shares) {
+    while uncovered.grow(comm, directory, mesh.order(), &terms.shares) {
         let without = |name: u64| if uncovered.contains(name) { [true; 3] } else { fixed(name) };
         terms = comm.agree(integrate(mesh, sides, components, &without))?;
     }
@@ -183,7 +183,8 @@ pub fn jump_rows(
     }
     let mut remarks = Vec::new();
     if mesh.is_of_file() && components == mesh.dim() {
-        for (fit, side) in terms.fits.iter().zip(sides) {
+        for side in sides {
+            let fit = terms.fits[side.interface];
             let name = mesh.facts.names.get(side.interface);
             remarks.extend(fit.words(comm, name.map_or("", String::as_str))?);
         }

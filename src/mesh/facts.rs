@@ -60,6 +60,8 @@ pub struct LipFacts {
     pub material: usize,
     /// Order of the cells.
     pub order: usize,
+    /// Its area (m2; in 2D its length, m).
+    pub area: f64,
     /// Whether it has triangles of second order, so that the ends of edges have a share in the
     /// displacement of their middles.
     pub has_shares: bool,

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::import::{gmsh, med};
 use super::lattice::Column;
 use super::whole::{InterfacePlace, InterfaceRequest, Keep, MaterialGroups, Request, WholeMesh};
-use super::{DualGraph, LocalMesh, MeshFacts, whole};
+use super::{DualGraph, LocalMesh, Marks, MeshFacts, whole};
 use crate::case::{Case, FileSpec, InterfaceSpec, Linear, Location, Material};
 use crate::error::{Error, Result};
 
@@ -220,7 +220,22 @@ fn read(case: &Case, file: &FileSpec) -> Result<Vec<WholeMesh>> {
         interfaces: case.interfaces.iter().map(interface).collect::<Result<_>>()?,
     };
     let keep = if case.solver.linear == Linear::Multigrid { Keep::All } else { Keep::Finest };
-    whole::nested(&content, &request, &path, keep)
+    let mut meshes = whole::nested(&content, &request, &path, keep)?;
+    for mesh in &mut meshes {
+        for index in (0..case.interfaces.len()).filter(|index| case.interfaces[*index].connected) {
+            let lips = mesh.surface_of_lips(index);
+            mesh.surfaces.push(lips);
+        }
+    }
+    let surfaces = meshes.first().map_or(0, |mesh| mesh.surfaces.len());
+    if surfaces > Marks::SURFACES {
+        return Err(Error::Input(format!(
+            "boundary: {surfaces} groups and interfaces with a connected fluid are more than the {} \
+             that a node can be marked for; join groups that are treated alike",
+            Marks::SURFACES
+        )));
+    }
+    Ok(meshes)
 }
 
 /// Whether a file is one of MED: HDF5, by its ending.

@@ -124,6 +124,11 @@ impl LocalMesh {
         self.lattice.as_ref()
     }
 
+    /// Highest order of the cells of any rank, as far as they have nodes here.
+    pub fn order(&self) -> usize {
+        if self.is_of_corners { 1 } else { self.facts.order }
+    }
+
     /// Whether it is the mesh of a file.
     pub fn is_of_file(&self) -> bool {
         self.lattice.is_none()

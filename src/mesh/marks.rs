@@ -57,6 +57,9 @@ pub struct Marks {
 const BITS: u32 = 52;
 
 impl Marks {
+    /// Surfaces of which marks tell.
+    pub const SURFACES: usize = u128::BITS as usize;
+
     /// Numbers that marks take on their journey between ranks.
     pub const PACKED: usize = 4;
 
@@ -71,7 +74,7 @@ impl Marks {
     pub fn is_on(&self, surface: SurfaceBit) -> bool {
         match surface {
             SurfaceBit::All => true,
-            SurfaceBit::Place(place) => place < 128 && self.surfaces >> place & 1 == 1,
+            SurfaceBit::Place(place) => place < Self::SURFACES && self.surfaces >> place & 1 == 1,
         }
     }
 

@@ -82,6 +82,7 @@ impl WholeMesh {
                 cell: [edge, if self.dim() == 3 { edge } else { 1.0 }, volume / area],
                 material: self.materials[cell] as usize,
                 order: self.shapes[cell].order(),
+                area,
                 has_shares: lip.iter().any(triangles),
             }
         })

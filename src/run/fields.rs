@@ -222,8 +222,9 @@ impl PoreFields {
             flux: vec![0.0; 3 * cells],
             porosity: vec![0.0; cells],
         };
+        let displacement = all.frames.displacements(&problem.displacement);
         for pores in &space.cells {
-            let state = PoroState { displacement: &problem.displacement, pressure };
+            let state = PoroState { displacement: &displacement, pressure };
             let (flux, pressure, porosity) =
                 space.at_centre(all, pores, state, &gravity.unwrap_or_default());
             let cell = pores.cell as usize;
@@ -238,7 +239,8 @@ impl PoreFields {
     }
 }
 
-/// Pressure of the film at entries of `Discretization::secondary` (Pa), 0 where there is none.
+/// Pressure of the film at owned nodes of the secondary lip (Pa), that of the pores where
+/// interfaces meet or end. Collective.
 fn film_pressure(model: &Model<'_>, nodes: &[u32]) -> Vec<f64> {
     let all = &model.stepper.problem.all;
     let mut pressure = vec![0.0; all.secondary.len()];
@@ -246,9 +248,11 @@ fn film_pressure(model: &Model<'_>, nodes: &[u32]) -> Vec<f64> {
     for (index, value) in flow.iter().flat_map(|f| f.space.films.pressures(&f.pressure)) {
         pressure[index as usize] = value;
     }
-    let at = |node: &u32| {
-        let index = all.secondary_of[*node as usize];
-        index.map_or(0.0, |index| pressure[index as usize])
+    let of_pores = flow.filter(|_| model.mesh.is_of_file());
+    let of_pores = of_pores.map(|flow| flow.space.at_nodes(all, &flow.pressure));
+    let at = |node: &u32| match all.secondary_of[*node as usize] {
+        Some(index) => pressure[index as usize],
+        None => of_pores.as_ref().map_or(0.0, |of_pores| of_pores[*node as usize]),
     };
     nodes.iter().map(at).collect()
 }

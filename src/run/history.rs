@@ -136,8 +136,9 @@ fn interface_statistics(case: &Case, model: &Model<'_>, comm: &Comm) -> Vec<Opti
         row.extend(own.iter().flat_map(Statistic::columns));
         row.extend(totals.iter().flat_map(|totals| &totals[number][..=case.dim]).map(|v| Some(*v)));
         if let Some(flow) = flow.filter(|_| case.has_flux(&case.interfaces[number])) {
-            let rates = flow.into_sides[number];
-            row.extend(rates.map(|rate| Some(rate / case.mesh.column()?.section())));
+            let lips = &model.mesh.facts.interfaces[number];
+            let sides = flow.into_sides[number].iter().zip(lips);
+            row.extend(sides.map(|(rate, lip)| Some(rate / lip.area)));
         }
     }
     row

@@ -10,7 +10,7 @@ use crate::mesh::{Lip, Marks};
 enum Place {
     /// The nodes of a surface, or all.
     Surface(SurfaceBit),
-    /// Both lips of an interface, by its index.
+    /// Both lips of an interface of a column, by its index.
     Lips(usize),
 }
 
@@ -30,7 +30,11 @@ impl PrescribedPressure {
         for (index, interface) in case.interfaces.iter().enumerate().filter(|(_, i)| i.connected) {
             if let Some(pressure) = &interface.fluid_pressure {
                 let name = format!("interfaces.{}: fluid.pressure", interface.name);
-                entries.push((name, Place::Lips(index), pressure.clone()));
+                let place = match case.lips_bit(index) {
+                    Some(bit) => Place::Surface(bit),
+                    None => Place::Lips(index),
+                };
+                entries.push((name, place, pressure.clone()));
             }
         }
         for (number, entry) in case.boundary.iter().enumerate() {

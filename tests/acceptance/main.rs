@@ -3,10 +3,12 @@
 #[path = "../common/mod.rs"]
 #[allow(dead_code)] // this program uses a part of it
 mod common;
+mod any_flow;
 mod any_interface;
 mod any_mesh;
 mod blocks;
 mod branches;
+mod cubes;
 mod diffusion;
 mod energy;
 mod equilibrium;

@@ -87,8 +87,7 @@ impl Checker<'_> {
             self.boxes(&mesh, &materials, &interfaces, flow.is_some());
             self.held(&mesh, &interfaces, &boundary);
         } else {
-            let has_pressure = flow.is_some() || pressure_is_load;
-            self.not_yet_on_files(&file, &interfaces, has_pressure);
+            self.not_yet_on_files(&file);
         }
         write_out(&mut file, path, physics);
         let gravity = self.by_axis(file.gravity.as_deref().unwrap_or_default());

@@ -74,7 +74,7 @@ fn surfaces_are_the_groups_on_which_something_is_prescribed() {
     assert_eq!(case.surfaces(), groups);
     assert_eq!(case.surface_bit(&groups[1]), SurfaceBit::Place(1));
     assert_eq!(case.surface_bit(&Surface::All), SurfaceBit::All);
-    assert_eq!(case.surface_bit(&Surface::Top), SurfaceBit::Place(3));
+    assert_eq!(case.surface_bit(&Surface::Top), SurfaceBit::Place(usize::MAX));
     assert_eq!(case.supported_surfaces(), [&groups[0], &groups[1]]);
     assert_eq!(case.supported_bits(), [0, 1].map(SurfaceBit::Place));
     let column = super::good(&[]);
@@ -286,31 +286,30 @@ fn a_mistake_in_a_case_with_a_mesh_file_is_told() {
             "solver.linear multigrid needs coarser meshes, which the mesh of a file has where \
              mesh.refine makes it finer; take auto, gamg, hypre or mumps",
         ),
-        (
-            "interfaces.0.fluid={flow: true}\nphysics=mechanics",
-            "interfaces.0.fluid flow along an interface is not yet available on the mesh of a file",
-        ),
     ] {
-        let assignments: Vec<&str> = assignment.split('\n').collect();
-        let text = message(&[&assignments[..], &["expect=[]"]].concat());
+        let text = message(&[assignment, "expect=[]"]);
         assert!(text.lines().any(|line| line.ends_with(&format!(": {expected}"))), "{text}");
-        let told = text.lines().count();
-        let more = usize::from(assignment.contains("flow"));
-        assert_eq!(told, 1 + more, "{assignment}: {text}");
+        assert_eq!(text.lines().count(), 1, "{assignment}: {text}");
     }
 }
 
 #[test]
-fn a_pore_pressure_is_not_yet_available_on_a_mesh_file() {
+fn a_pore_pressure_acts_on_a_mesh_file_as_on_columns() {
     let porous = "{biot: 1, porosity: 0.15, permeability: 1.0e-19, viscosity: 1.0e-3, \
                   fluid_compressibility: 5.0e-10, fluid_density: 1, density: 2.5}";
     let porous = |name: &str| format!("materials.{name}.porous={porous}");
     let (concrete, rock) = (porous("concrete"), porous("rock"));
-    let words = "mesh.file with a pore pressure is not yet available; without porous data, or with \
-                 physics: mechanics, it is left out";
-    for pressure in ["boundary.0.pressure=1", "boundary.4={on: all, pressure: 1}"] {
-        let text = message(&[&concrete, &rock, pressure]);
-        assert!(text.ends_with(words) && !text.contains('\n'), "{text}");
+    for (change, flows) in [
+        ("boundary.0.pressure=1", true),
+        ("boundary.4={on: all, pressure: 1}", false),
+        ("interfaces.0.fluid={flow: true}", true),
+        ("interfaces.0.fluid={pressure: 1, connected: true}", true),
+    ] {
+        let case = dam(&[&concrete, &rock, change]);
+        assert_eq!((case.flow.is_some(), case.pressure_is_load), (flows, !flows), "{change}");
+        // The nodes of connected lips are marked after those of the groups.
+        let bit = change.contains("connected").then_some(case.surfaces().len());
+        assert_eq!(case.lips_bit(0), bit.map(SurfaceBit::Place));
     }
     // Data that change nothing are left out as on columns, and so are those that are not asked for.
     let zero = "boundary.4={on: all, pressure: 0}";

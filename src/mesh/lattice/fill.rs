@@ -168,7 +168,8 @@ impl Column {
             let face = self.lip(interface, lip);
             let (cell, material) = self.cell_size(self.facet_cell(face, [0, 0]));
             let order = self.order(face.body);
-            LipFacts { body: face.body, cell, material, order, has_shares: false }
+            let area = self.size[0] * if self.dim == 3 { self.size[1] } else { 1.0 };
+            LipFacts { body: face.body, cell, material, order, area, has_shares: false }
         };
         MeshFacts {
             dim: self.dim,

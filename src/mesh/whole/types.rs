@@ -107,6 +107,15 @@ impl WholeMesh {
         self.view().facet_nodes(facet)
     }
 
+    /// The nodes of both lips of an interface, without facets.
+    pub fn surface_of_lips(&self, interface: usize) -> WholeSurface {
+        let facets = self.interfaces[interface].lips.iter().flatten();
+        let mut nodes: Vec<u32> = facets.flat_map(|facet| self.facet_nodes(*facet)).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        WholeSurface { facets: Vec::new(), nodes }
+    }
+
     /// The cells alone.
     pub(super) fn view(&self) -> View<'_> {
         View { points: &self.points, shapes: &self.shapes, start: &self.start, nodes: &self.nodes }

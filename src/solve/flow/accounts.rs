@@ -110,8 +110,9 @@ impl Flow {
         let mut sums = vec![0.0; 3 + 2 * self.into_sides.len()];
         let mut balance = self.of_pores(all, u, true);
         // What the pores at a lip take up comes from the interface.
-        for (node, side) in &self.lips {
-            sums[3 + side] += self.density * balance.rows[*node as usize] / self.step.length;
+        for (node, side, share) in &self.lips {
+            sums[3 + side] +=
+                share * self.density * balance.rows[*node as usize] / self.step.length;
         }
         self.complete(all, u, &mut balance);
         let mut rows = balance.rows;

@@ -1,75 +1,30 @@
-//! The films of fluid between lips, and the ties that give both lips one pressure.
+//! The films of fluid between lips.
 
-use super::pressures::{Displacements, Pressures};
-use crate::assembly::{Discretization, FilmFacet, FilmNode, Films, Tie};
+use super::pressures::{Displacements, flowing};
+use super::ties::NamedTie;
+use crate::assembly::{Discretization, FilmFacet, FilmNode, Films, Opening};
 use crate::case::Case;
-use crate::comm::Comm;
 use crate::element::{MAX_NODES, Shape};
-use crate::error::Result;
-use crate::interface::{Film, Fluid, JumpRows, Multipliers, Sides, jump_rows};
+use crate::interface::{Film, Fluid, Sides};
 use crate::mesh::{Facet, LocalMesh};
-use crate::space::{Directory, Nodes};
+use crate::space::Nodes;
 
-/// Interfaces along which fluid flows.
-fn flowing<'a>(case: &'a Case, sides: &'a [Sides]) -> impl Iterator<Item = (usize, &'a Sides)> {
-    sides.iter().enumerate().filter(|(index, _)| case.interfaces[*index].film.is_some())
-}
+/// Parts of a corner below this are rounding.
+const ROUNDING: f64 = 1e-12;
 
-/// The rows that tie the pressure of secondary lips to that of primary ones. Collective.
-///
-/// # Errors
-/// `Input` when the primary side does not cover the secondary side.
-pub(in crate::solve) fn tie_rows(
-    comm: &Comm,
-    case: &Case,
-    sides: &[Sides],
-    pressures: &Pressures<'_>,
-    directory: &Directory<'_>,
-) -> Result<Vec<JumpRows<u64>>> {
-    let sides: Vec<Sides> = flowing(case, sides).map(|(_, side)| *side).collect();
-    if sides.is_empty() {
-        return Ok(Vec::new());
-    }
-    let nodes = &pressures.corners.nodes;
-    let fixed = |name: u64| {
-        let node = nodes.number(name).expect("a corner of the rank's own cell");
-        [pressures.prescribed.entry_of(&nodes.marks[node]).is_some(), false, false]
-    };
-    let multipliers = Multipliers { fixed: &fixed, is_lost: &|_| false };
-    let (rows, _) = jump_rows(comm, pressures.corners, &sides, 1, &multipliers, directory)?;
-    Ok(rows)
-}
-
-/// Pressure nodes that this rank needs beside those of its cells: what `rows` extend over, and the
+/// Pressure nodes that this rank needs beside those of its cells: what pressures follow, and the
 /// corners around its secondary nodes. Local.
 pub(in crate::solve) fn further_nodes(
     case: &Case,
     of: Displacements<'_>,
-    rows: &[JumpRows<u64>],
+    ties: &[NamedTie],
 ) -> Vec<u64> {
-    let mut nodes: Vec<u64> = rows.iter().flat_map(|rows| rows.names_of_others()).collect();
+    let follows = ties.iter().flat_map(|tie| &tie.follows);
+    let mut nodes: Vec<u64> = follows.map(|(name, _)| *name).collect();
     for (_, corners) in film_nodes(case, of) {
         nodes.extend(corners.iter().map(|(corner, _)| *corner));
     }
     nodes
-}
-
-/// The ties over local nodes. Local.
-pub(in crate::solve) fn ties(
-    rows: &[JumpRows<u64>],
-    nodes: &Nodes,
-) -> (Vec<Tie>, Vec<Option<u32>>) {
-    let local = |name: u64| nodes.local(name).expect("the row's nodes are held");
-    let mut tie_of = vec![None; nodes.len()];
-    let mut ties = Vec::new();
-    for rows in rows {
-        let Some(row) = &rows.rows[0] else { continue };
-        let node = local(rows.node);
-        let follows = row.others.iter().map(|(n, a)| (local(*n), -a / row.own)).collect();
-        tie_of[node as usize] = Some(ties.len() as u32);
-        ties.push(Tie { node, follows });
-    }
-    (ties, tie_of)
 }
 
 /// Indices into `Discretization::secondary` of the owned nodes with a film, rising, and the corners
@@ -82,32 +37,101 @@ fn film_nodes(case: &Case, of: Displacements<'_>) -> Vec<(u32, Vec<(u64, f64)>)>
             let (shape, nodes) = mesh.lip_nodes(side.secondary, *facet);
             let name = |node: u32| mesh.nodes.names[node as usize];
             for (node, xi) in nodes.iter().zip(shape.node_points()) {
-                let index = secondary(all, name(*node)) as usize;
-                let Some(of) = corners_of.get_mut(index).filter(|of| of.is_empty()) else {
-                    continue;
-                };
-                let mut parts = [0.0; MAX_NODES];
-                shape.corners().values(*xi, &mut parts);
-                let corners = nodes.iter().zip(&parts[..shape.corners().nodes()]);
-                let parts = corners.filter(|(_, part)| **part != 0.0);
-                of.extend(parts.map(|(node, part)| (name(*node), *part)));
-                of.sort_unstable_by_key(|(name, _)| *name);
+                let index = secondary(all, name(*node)).map(|index| index as usize);
+                let of = index.and_then(|index| corners_of.get_mut(index));
+                let Some(of) = of.filter(|of| of.is_empty()) else { continue };
+                *of = corners_around(mesh, shape, &nodes, *xi);
             }
         }
+    }
+    if mesh.is_of_file() {
+        add_missing(case, of, &mut corners_of);
     }
     let numbered = corners_of.into_iter().enumerate().filter(|(_, corners)| !corners.is_empty());
     numbered.map(|(index, corners)| (index as u32, corners)).collect()
 }
 
-/// Index into `Discretization::secondary` of a node of the secondary side of this rank's cells.
-fn secondary(all: &Discretization, name: u64) -> u32 {
+/// The corners around secondary nodes of which this rank has cells, but none with a facet there.
+fn add_missing(case: &Case, of: Displacements<'_>, corners_of: &mut [Vec<(u64, f64)>]) {
+    let Displacements { mesh, all, sides } = of;
+    let mut missing = vec![None; mesh.nodes.names.len()];
+    for (_, side) in flowing(case, sides) {
+        for (node, (name, _, marks)) in mesh.nodes.iter().enumerate() {
+            let index = secondary(all, name).filter(|_| side.is_secondary(marks));
+            missing[node] = index.or(missing[node]);
+        }
+    }
+    for cell in 0..mesh.cells.len() {
+        let (shape, nodes) = (mesh.shape(cell), mesh.cell_nodes(cell));
+        for (node, xi) in nodes.iter().zip(shape.node_points()) {
+            let index = missing[*node as usize].map(|index| index as usize);
+            let of = index.and_then(|index| corners_of.get_mut(index));
+            if let Some(of) = of.filter(|of| of.is_empty()) {
+                *of = corners_around(mesh, shape, nodes, *xi);
+            }
+        }
+    }
+}
+
+/// The corners around a node of a cell or a facet at its reference coordinates, with their parts of
+/// a pressure there, by rising name.
+fn corners_around(mesh: &LocalMesh, shape: Shape, nodes: &[u32], xi: [f64; 3]) -> Vec<(u64, f64)> {
+    let mut parts = [0.0; MAX_NODES];
+    shape.corners().values(xi, &mut parts);
+    let corners = nodes.iter().zip(&parts[..shape.corners().nodes()]);
+    let parts = corners.filter(|(_, part)| part.abs() > ROUNDING);
+    let mut of: Vec<(u64, f64)> =
+        parts.map(|(node, part)| (mesh.nodes.names[*node as usize], *part)).collect();
+    of.sort_unstable_by_key(|(name, _)| *name);
+    of
+}
+
+/// Index into `Discretization::secondary` of a node of the secondary side of this rank's cells;
+/// none where interfaces meet or end.
+fn secondary(all: &Discretization, name: u64) -> Option<u32> {
     let node = all.nodes.local(name).expect("a node of the rank's own cell");
-    all.secondary_of[node as usize].expect("a node of the secondary side")
+    all.secondary_of[node as usize]
+}
+
+/// The openings of the nodes of a facet: each node by its place, an entry of
+/// `Discretization::secondary` and its part. Where there is no row along the normal, as interfaces
+/// meet or displacements are prescribed, it is the mean of those of the facet; at the edge of an
+/// interface inside the mesh it is 0, and nothing stands there.
+fn openings(of: Displacements<'_>, side: &Sides, facet: Facet, names: &[u64]) -> Vec<Opening> {
+    let Displacements { mesh, all, .. } = of;
+    let normal = all.dim - 1;
+    let is_known =
+        |i: &u32| !mesh.is_of_file() || all.secondary[*i as usize].rows[normal].is_some();
+    let entries: Vec<Option<u32>> =
+        names.iter().map(|name| secondary(all, *name).filter(is_known)).collect();
+    let kept: Vec<u32> = entries.iter().copied().flatten().collect();
+    if kept.len() == names.len() {
+        let own = |(node, secondary)| Opening { node, secondary, part: 1.0 };
+        return (0..).zip(kept).map(own).collect();
+    }
+    let across = mesh.across(side.interface, side.secondary, facet);
+    let is_shut = |name: u64| across.iter().any(|far| far.nodes.contains(&name));
+    let mut openings = Vec::new();
+    for (node, (name, entry)) in (0..).zip(names.iter().zip(entries)) {
+        match entry {
+            Some(secondary) => openings.push(Opening { node, secondary, part: 1.0 }),
+            None if is_shut(*name) => {}
+            None => {
+                let part = 1.0 / kept.len() as f64;
+                openings.extend(kept.iter().map(|secondary| Opening {
+                    node,
+                    secondary: *secondary,
+                    part,
+                }));
+            }
+        }
+    }
+    openings
 }
 
 /// The films of this rank's secondary nodes and facets. Local.
 pub(in crate::solve) fn films(case: &Case, of: Displacements<'_>, nodes: &Nodes) -> Films {
-    let Displacements { mesh, all, sides } = of;
+    let Displacements { mesh, sides, .. } = of;
     let local = |name: u64| nodes.local(name).expect("the corners of a film are held");
     let mut films = Films::default();
     // The edges of facets of boxes, and the shapes.
@@ -138,7 +162,7 @@ pub(in crate::solve) fn films(case: &Case, of: Displacements<'_>, nodes: &Nodes)
             let corners = &names[..shape.corners().nodes()];
             films.facets.push(FilmFacet {
                 prototype: prototype as u32,
-                nodes: names.iter().map(|name| secondary(all, *name)).collect(),
+                openings: openings(of, side, *facet, &names),
                 corners: corners.iter().map(|name| local(*name)).collect(),
             });
         }
@@ -150,14 +174,15 @@ pub(in crate::solve) fn films(case: &Case, of: Displacements<'_>, nodes: &Nodes)
     films
 }
 
-/// The edges of a facet with these nodes (m) whose first edge lies along the first axis and whose
-/// normal along the last one, if it belongs to a box.
+/// The edges of a facet with these nodes (m) whose first edges run along the first axes and whose
+/// normal lies along the last one, if it belongs to a box.
 fn edges(mesh: &LocalMesh, facet: Facet, nodes: &[u32]) -> Option<[f64; 2]> {
     let size = mesh.prototype(facet.cell as usize).geometry.size()?;
     let (axes, points) = (mesh.facts.axes, by_component(mesh, nodes));
     let normal = axes.len() - 1;
     let is_flat = points.iter().all(|x| x[normal] == points[0][normal]);
-    let runs_along = (1..axes.len()).all(|c| points[0][c] == points[1][c]);
+    let runs_along = (1..axes.len()).all(|c| points[0][c] == points[1][c])
+        && (normal < 2 || points[1][1] < points[2][1]);
     (is_flat && runs_along && points[0][0] < points[1][0]).then(|| [size[axes[0]], size[axes[1]]])
 }
 

@@ -12,6 +12,7 @@ mod films;
 mod pace;
 pub(in crate::solve) mod pressures;
 pub(in crate::solve) mod setup;
+mod ties;
 
 pub use coupled::Coupling;
 
@@ -87,9 +88,9 @@ pub struct Flow {
     pub remarks: Vec<String>,
     /// Accounts up to the last accepted state.
     pub balance: FluidBalance,
-    /// Local nodes on the lips from which fluid flows into the pores, each with its side: twice the
-    /// index of the interface, and one more for the upper side.
-    lips: Vec<(u32, usize)>,
+    /// Local nodes on the lips from which fluid flows into the pores, each with its side, twice the
+    /// index of the interface and one more for the upper side, and the share of the side in it.
+    lips: Vec<(u32, usize, f64)>,
     /// Mean rate in the last step into the lower and the upper side of each interface (kg/s).
     pub into_sides: Vec<[f64; 2]>,
 }
@@ -115,6 +116,9 @@ pub struct FlowParts {
     /// Longest step (s) in which the pressure of some cell would oscillate: of cells of first and
     /// second order.
     pub bounds: [f64; 2],
+    /// Local nodes on the lips from which fluid flows into the pores, each with its side, twice the
+    /// index of the interface and one more for the upper side, and the share of the side in it.
+    pub lips: Vec<(u32, usize, f64)>,
     /// Interfaces of the case.
     pub interfaces: usize,
     /// Pressures of all local nodes at the start (Pa).
@@ -134,15 +138,11 @@ impl Flow {
             step,
             pace,
             bounds,
+            lips,
             interfaces,
             initial,
         } = parts;
         let none = || vec![0.0; space.nodes.len()];
-        let side = |(node, marks)| {
-            let (interface, lip) = prescribed.lip_of(marks)?;
-            Some((node as u32, 2 * interface + lip.index()))
-        };
-        let lips = space.nodes.marks.iter().enumerate().filter_map(side).collect();
         Self {
             before: initial.clone(),
             in_pores: Contents::default(),

@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use crate::assembly::Discretization;
+use crate::case::Case;
 use crate::interface::Sides;
 use crate::mesh::LocalMesh;
 use crate::space::PrescribedPressure;
@@ -24,4 +25,12 @@ pub struct Displacements<'a> {
     pub all: &'a Rc<Discretization>,
     /// The sides of the interfaces.
     pub sides: &'a [Sides],
+}
+
+/// Interfaces along which fluid flows.
+pub(super) fn flowing<'a>(
+    case: &'a Case,
+    sides: &'a [Sides],
+) -> impl Iterator<Item = (usize, &'a Sides)> {
+    sides.iter().enumerate().filter(|(index, _)| case.interfaces[*index].film.is_some())
 }

@@ -7,9 +7,10 @@ use super::block::Block;
 use super::blocks::{Blocks, CoupledSolve, operators};
 use super::coupled::Coupling;
 use super::coupled_factors::CoupledFactors;
-use super::films::{films, further_nodes, tie_rows, ties};
+use super::films::{films, further_nodes};
 use super::pace::Pace;
 use super::pressures::{Displacements, Pressures};
+use super::ties::{named_ties, on_lips, ties};
 use super::{Flow, FlowParts, Source};
 use crate::assembly::{CoupledMatrix, Discretization, PoreCell, PoreSpace, TangentOperator};
 use crate::bulk::{FlowStep, Loads, MAX_CORNERS, PorousCell, PorousMedium};
@@ -125,6 +126,7 @@ pub fn couple(
     let mut snes = Snes::new(petsc, "", matrix, &KspSetup::new(options))?;
     snes.precondition_by(preconditioner)?;
 
+    let lips = on_lips(case, &pressures, &space.nodes);
     let Steps { shortest, bounds } = steps(comm, &space, flow.theta);
     let pace = flow.tolerance.map(|tolerance| Pace::new(tolerance, FIRST * shortest));
     let density = case.materials.iter().find_map(|m| Some(m.porous.as_ref()?.fluid_density));
@@ -140,6 +142,7 @@ pub fn couple(
         step: FlowStep { length: 0.0, theta: flow.theta, gravity, lumped: flow.lumped },
         pace,
         bounds,
+        lips,
         interfaces: case.interfaces.len(),
         initial,
     });
@@ -268,7 +271,7 @@ fn porous_cells(case: &Case, mesh: &LocalMesh) -> (Vec<PorousCell>, Vec<(usize, 
 /// Nodes, cells, ties and films of the pressure. Collective.
 ///
 /// # Errors
-/// As [`tie_rows`].
+/// As [`named_ties`].
 fn pore_space(
     comm: &Comm,
     case: &Case,
@@ -284,8 +287,8 @@ fn pore_space(
     touched.sort_unstable();
     touched.dedup();
     let directory = Directory::new(comm, mesh.facts.nodes, &touched);
-    let rows = tie_rows(comm, case, sides, pressures, &directory)?;
-    touched.extend(further_nodes(case, of, &rows));
+    let named = named_ties(comm, case, sides, pressures, &directory)?;
+    touched.extend(further_nodes(case, of, &named));
     let nodes = Nodes::new(comm, &directory, &touched, &corners.nodes)?;
     let cells = porous.iter().map(|(cell, prototype)| {
         let mut of = [0; MAX_CORNERS];
@@ -296,7 +299,7 @@ fn pore_space(
         PoreCell { cell: *cell as u32, prototype: *prototype, nodes: of, count }
     });
     let cells = cells.collect();
-    let (ties, tie_of) = ties(&rows, &nodes);
+    let (ties, tie_of) = ties(&named, &nodes);
     let films = films(case, of, &nodes);
     Ok(PoreSpace {
         dim,

@@ -1,5 +1,7 @@
 //! Whether what is prescribed on the mesh of a file finds what it needs there.
 
+mod fluid;
+
 use super::special::{Carriers, special_of};
 use crate::case::Case;
 use crate::comm::Comm;
@@ -8,7 +10,7 @@ use crate::interface::{Heirs, Multipliers, Sides, lost_facets};
 use crate::mesh::LocalMesh;
 use crate::space::{AtNode, Prescribed};
 
-/// Refuses loads on groups without facets. Collective.
+/// Refuses loads on groups without facets, and fluid where there are no pores. Collective.
 ///
 /// # Errors
 /// `Input` that names the entry.
@@ -16,7 +18,8 @@ pub fn check(comm: &Comm, case: &Case, mesh: &LocalMesh) -> Result<()> {
     if !mesh.is_of_file() {
         return Ok(());
     }
-    loads(case, mesh, |count| comm.sum_u64(count))
+    loads(case, mesh, |count| comm.sum_u64(count))?;
+    fluid::check(comm, case, mesh)
 }
 
 /// As `check`, of a mesh that one rank holds whole; refuses also facets of interfaces at which
