@@ -59,7 +59,7 @@ def source_of(path):
 
 def run(program, case, ranks):
     """The report of a run."""
-    with tempfile.TemporaryDirectory() as scratch:
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as scratch:
         output = Path(scratch) / "results"
         command = ["mpirun", "-n", str(ranks), "--quiet", program, str(case), "--quiet",
                    "--set", "output.fields=none", "--set", "reduce=never", "--output", str(output)]

@@ -16,6 +16,8 @@ pub mod graph;
 pub mod simd;
 pub mod petsc;
 pub mod runtime;
+pub mod sparse;
+pub mod aggregation;
 pub mod law;
 pub mod input;
 pub mod case;

@@ -16,6 +16,7 @@ mod saddle;
 mod second_order;
 mod sweep;
 mod tangent;
+mod tangent_matrix;
 mod coupled_matrix;
 
 pub use cells::{CellSet, Cells};
@@ -28,6 +29,7 @@ pub use pattern::Pattern;
 pub use pores::{PoreCell, PoreSpace, Tie};
 pub use saddle::{LawDerivative, SaddleTangent};
 pub use tangent::Tangent;
+pub use tangent_matrix::TangentMatrix;
 
 use crate::interface::JumpRows;
 use crate::space::Nodes;
@@ -83,6 +85,19 @@ impl Discretization {
     pub fn name_and_interface(&self, index: usize) -> (u64, usize) {
         let rows = &self.secondary[index];
         (self.nodes.names[rows.node as usize], rows.interface)
+    }
+
+    /// Components of a local node whose row of the tangent is the identity: prescribed and stuck
+    /// ones. Local.
+    pub fn identity_components(&self, state: &[NodeState], node: usize) -> [bool; 3] {
+        let mut identity = self.prescribed[node];
+        if let Some(index) = self.secondary_of[node] {
+            let rows = &self.secondary[index as usize].rows;
+            for c in 0..self.dim {
+                identity[c] |= rows[c].is_some() && state[index as usize].stuck[c];
+            }
+        }
+        identity
     }
 
     /// The jump of a component at an entry of `secondary`, 0 where it has none (m); `u` holds the

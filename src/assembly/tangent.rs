@@ -5,10 +5,9 @@
 //! becomes the identity. Prescribed components have identity rows and columns too. Only rows near
 //! an interface depend on the state; they alone are set anew when it changes.
 
-use super::{Discretization, NodeState, Pattern};
+use super::{Discretization, NodeState, Pattern, TangentMatrix};
 use crate::comm::Comm;
 use crate::error::Result;
-use crate::petsc::Matrix;
 
 /// Sets the values of the tangent.
 pub struct Tangent {
@@ -45,24 +44,17 @@ impl Tangent {
         comm: &Comm,
         all: &Discretization,
         state: &[NodeState],
-        matrix: &mut Matrix,
+        matrix: &mut impl TangentMatrix,
     ) -> Result<()> {
         let first_time = !self.assembled;
         if first_time {
-            matrix.zero()?;
+            matrix.clear()?;
         } else {
-            let rows: Vec<i32> = self
-                .pattern
-                .interface_rows
-                .iter()
-                .flat_map(|n| (0..all.dim as i32).map(|c| (all.nodes.numbers[*n as usize], c)))
-                .map(|(number, c)| number * all.dim as i32 + c)
-                .collect();
-            matrix.zero_rows_keep_pattern(&rows)?;
+            matrix.clear_rows(&self.pattern.interface_rows, &all.nodes.numbers)?;
         }
         let filled = self.fill(all, state, first_time, matrix);
         comm.agree(filled)?;
-        let assembled = matrix.assemble();
+        let assembled = matrix.finish(comm);
         comm.agree(assembled)?;
         self.assembled = true;
         Ok(())
@@ -74,7 +66,7 @@ impl Tangent {
         all: &Discretization,
         state: &[NodeState],
         every_row: bool,
-        matrix: &mut Matrix,
+        matrix: &mut impl TangentMatrix,
     ) -> Result<()> {
         let mut work = Work::default();
         if every_row {
@@ -100,7 +92,7 @@ impl Tangent {
         cell: usize,
         every_row: bool,
         work: &mut Work,
-        matrix: &mut Matrix,
+        matrix: &mut impl TangentMatrix,
     ) -> Result<()> {
         let nodes = all.cells.nodes(cell);
         let dim = all.dim;
@@ -122,11 +114,11 @@ impl Tangent {
         let plain =
             !near_interface && nodes.iter().all(|n| all.prescribed[*n as usize] == [false; 3]);
         if plain {
-            return matrix.add_blocked(&work.rows, &work.columns, stiffness);
+            return matrix.add(&work.rows, &work.columns, stiffness);
         }
         let expansions = expand_cell(all, state, cell, &work.coupled);
         transform(stiffness, &expansions, work.coupled.len() * dim, &mut work.values);
-        matrix.add_blocked(&work.rows, &work.columns, &work.values)
+        matrix.add(&work.rows, &work.columns, &work.values)
     }
 
     /// The identity rows of prescribed and stuck components of owned nodes.
@@ -135,7 +127,7 @@ impl Tangent {
         all: &Discretization,
         state: &[NodeState],
         every_row: bool,
-        matrix: &mut Matrix,
+        matrix: &mut impl TangentMatrix,
     ) -> Result<()> {
         let dim = all.dim;
         let mut block = vec![0.0; dim * dim];
@@ -143,29 +135,17 @@ impl Tangent {
             if !every_row && !self.pattern.is_interface_row[node] {
                 continue;
             }
-            let identity = identity_components(all, state, node);
+            let identity = all.identity_components(state, node);
             if identity[..dim].contains(&true) {
                 for c in 0..dim {
                     block[c * dim + c] = if identity[c] { self.diagonal } else { 0.0 };
                 }
                 let number = [all.nodes.numbers[node]];
-                matrix.add_blocked(&number, &number, &block)?;
+                matrix.add(&number, &number, &block)?;
             }
         }
         Ok(())
     }
-}
-
-/// Components of a local node whose row is the identity.
-fn identity_components(all: &Discretization, state: &[NodeState], node: usize) -> [bool; 3] {
-    let mut identity = all.prescribed[node];
-    if let Some(index) = all.secondary_of[node] {
-        let rows = &all.secondary[index as usize].rows;
-        for c in 0..all.dim {
-            identity[c] |= rows[c].is_some() && state[index as usize].stuck[c];
-        }
-    }
-    identity
 }
 
 #[derive(Default)]
@@ -294,7 +274,7 @@ fn add_law(
     all: &Discretization,
     rows: &crate::interface::JumpRows<u32>,
     state: &NodeState,
-    matrix: &mut Matrix,
+    matrix: &mut impl TangentMatrix,
 ) -> Result<()> {
     let dim = all.dim;
     let nodes = rows.nodes();
@@ -330,5 +310,5 @@ fn add_law(
         }
     }
     let numbers: Vec<i32> = nodes.iter().map(|n| all.nodes.numbers[*n as usize]).collect();
-    matrix.add_blocked(&numbers, &numbers, &values)
+    matrix.add(&numbers, &numbers, &values)
 }

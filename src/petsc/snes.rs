@@ -170,6 +170,11 @@ impl Snes {
         self.ksp.pc()
     }
 
+    /// PETSc, for objects of the same ranks. Local.
+    pub fn petsc(&self) -> &Petsc {
+        &self.petsc
+    }
+
     /// The matrix of the tangent. Local.
     pub fn matrix(&self) -> &Matrix {
         &self.matrix

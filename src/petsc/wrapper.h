@@ -6,9 +6,9 @@
 // bind functions: PetscInitialize PetscFinalize PetscPushErrorHandler PetscPopErrorHandler PetscErrorMessage PetscGetVersionNumber
 // bind functions: PetscOptionsInsertString PetscOptionsSetValue PetscOptionsClearValue PetscOptionsInsertArgs PetscOptionsGetAll PetscOptionsLeftGet PetscOptionsLeftRestore
 // bind functions: PetscLogStageRegister PetscLogStagePush PetscLogStagePop
-// bind functions: VecCreateMPI VecDuplicate VecDestroy VecSetBlockSize VecGetLocalSize VecGetArray VecRestoreArray VecGetArrayRead VecRestoreArrayRead VecNorm VecSet VecCopy
+// bind functions: VecCreateMPI VecDuplicate VecDestroy VecSetBlockSize VecGetLocalSize VecGetArray VecRestoreArray VecGetArrayRead VecRestoreArrayRead VecMax VecMin VecNorm VecSet VecCopy
 // bind functions: MatCreate MatDestroy MatSetSizes MatSetType MatSetBlockSize MatSetOption MatSeqAIJSetPreallocation MatMPIAIJSetPreallocation
-// bind functions: MatSetValuesBlocked MatSetValues MatAssemblyBegin MatAssemblyEnd MatZeroEntries MatMult MatGetInfo MatZeroRows MatGetOwnershipRange MatGetRow MatRestoreRow
+// bind functions: MatSetValuesBlocked MatSetValues MatAssemblyBegin MatAssemblyEnd MatZeroEntries MatMult MatGetDiagonal MatGetInfo MatZeroRows MatGetOwnershipRange MatGetRow MatRestoreRow
 // bind functions: MatSetNearNullSpace MatNullSpaceCreate MatNullSpaceCreateRigidBody MatNullSpaceDestroy MatMumpsGetInfog
 // bind functions: KSPGetPC KSPGetIterationNumber KSPGetConvergedReason KSPSetTolerances KSPReset KSPGetResidualNorm KSPGetType
 // bind functions: PCHYPREGetType PCFactorGetMatrix PCFactorGetMatSolverType PCGetType PCGetFailedReason

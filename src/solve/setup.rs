@@ -7,12 +7,13 @@ use super::flow::coupled::Coupling;
 use super::flow::pressures::Displacements;
 use super::flow::setup::{MECHANICS, Mechanics, couple, known_pressure};
 use super::model::interfaces::{InterfaceState, JointLaw};
-use super::model::linear::{LinearChoice, LinearTarget, MULTIGRID};
+use super::model::linear::{AGGREGATION, LinearChoice, LinearTarget, MULTIGRID};
 use super::model::near_null_space::rigid_motions;
 use super::model::{
     BoundaryValueProblem, NodeData, discretize, gaps, gaps_in_words, has_lost_facets,
     strength_factors,
 };
+use super::problem::block_tangent::BlockTangent;
 use super::problem::convergence::Convergence;
 use super::problem::path::PathControl;
 use super::problem::saddle::SaddlePoint;
@@ -259,20 +260,36 @@ fn system(
         let saddle = Some(SaddlePoint::new(saddle));
         return Ok(System { snes, form: TangentForm::None, diagonal, saddle, rows });
     }
+    if choice.preset == AGGREGATION {
+        return in_blocks(runtime, case, all, diagonal, &setup);
+    }
     let pattern = Pattern::new(comm, all);
     let (own, other) = pattern.counts(all.nodes.first);
     let rows = own.len() * dim;
     let mut matrix = Matrix::new(petsc, rows, dim, &own, &other)?;
     if choice.preset == "gamg" {
-        if comm.any(!all.frames.is_empty()) {
-            set_motions_in_frames(runtime, case.axes, all, &mut matrix)?;
-        } else {
-            set_rigid_motions(runtime, case.axes, all, &mut matrix)?;
-        }
+        set_motions(runtime, case.axes, all, &mut matrix)?;
     }
     let form = TangentForm::Assembled(Tangent::new(all, pattern, diagonal));
     let snes = Snes::new(petsc, prefix, matrix, &setup)?;
     Ok(System { snes, form, diagonal, saddle: None, rows })
+}
+
+/// Sets up SNES with a matrix of blocks, preconditioned by smoothed aggregation. Collective.
+fn in_blocks(
+    runtime: &Runtime,
+    case: &Case,
+    all: &Discretization,
+    diagonal: f64,
+    setup: &KspSetup,
+) -> Result<System> {
+    let (petsc, rows) = (&runtime.petsc, all.nodes.owned * all.dim);
+    let blocks = BlockTangent::new(&runtime.comm, all, case.axes, diagonal)?;
+    let matrix = Matrix::shell(petsc, rows, rows, all.dim, blocks.operator())?;
+    let prefix = if case.flow.is_some() { MECHANICS } else { "" };
+    let mut snes = Snes::new(petsc, prefix, matrix, setup)?;
+    snes.precondition_by(blocks.preconditioner())?;
+    Ok(System { snes, form: TangentForm::Blocks(blocks), diagonal, saddle: None, rows })
 }
 
 /// The laws, with the augmentation that suits the stiffness of the cells behind the interface.
@@ -285,7 +302,21 @@ fn joint_laws(case: &Case, mesh: &LocalMesh, sides: &[Sides]) -> Vec<JointLaw> {
     case.interfaces.iter().zip(sides).map(law).collect()
 }
 
-/// Gives smoothed aggregation the rigid-body motions where nodes have frames of their own.
+/// Gives PETSc's smoothed aggregation the rigid-body motions.
+fn set_motions(
+    runtime: &Runtime,
+    axes: &[usize],
+    all: &Discretization,
+    matrix: &mut Matrix,
+) -> Result<()> {
+    if runtime.comm.any(!all.frames.is_empty()) {
+        set_motions_in_frames(runtime, axes, all, matrix)
+    } else {
+        set_rigid_motions(runtime, axes, all, matrix)
+    }
+}
+
+/// The motions where nodes have frames of their own.
 fn set_motions_in_frames(
     runtime: &Runtime,
     axes: &[usize],
@@ -301,7 +332,7 @@ fn set_motions_in_frames(
     matrix.set_near_null_space(&motions.collect::<Result<Vec<_>>>()?)
 }
 
-/// Gives smoothed aggregation the rigid-body motions.
+/// The motions from the places of the nodes.
 fn set_rigid_motions(
     runtime: &Runtime,
     axes: &[usize],

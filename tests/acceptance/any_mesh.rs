@@ -101,6 +101,7 @@ fn hexahedra() {
     let scene = column("hex8", CONFORMING);
     check(&scene.on(1));
     check(&scene.scattered().set("solver.linear=hypre").on(4));
+    check(&scene.scattered().set("solver.linear=aggregation").on(3));
 }
 
 #[test]
@@ -108,11 +109,14 @@ fn hexahedra_of_second_order_that_do_not_match() {
     let scene = column("hex27-apart", APART);
     check(&scene.on(1));
     check(&scene.set("interfaces.0.secondary=lower").on(2));
+    check(&scene.scattered().set("solver.linear=aggregation").on(4));
 }
 
 #[test]
 fn prisms_of_second_order() {
-    check(&column("prism18", CONFORMING).set("solver.linear=gamg").on(3));
+    let scene = column("prism18", CONFORMING);
+    check(&scene.set("solver.linear=gamg").on(3));
+    check(&scene.set("solver.linear=aggregation").on(1));
 }
 
 #[test]

@@ -22,6 +22,8 @@ fn joints_that_lean_and_cross() {
     check("crossing_joints/case.yaml", "hypre", 2, 54);
     check("crossing_joints/contact.yaml", "gamg", 4, 25);
     check("brick_wall/case.yaml", "gamg", 4, 64);
+    check("brick_wall/case.yaml", "aggregation", 3, 64);
+    check("crossing_joints/contact.yaml", "aggregation", 1, 25);
 }
 
 #[test]
@@ -30,4 +32,6 @@ fn an_inclusion_a_beam_and_a_dam() {
     check("circular_inclusion/contact.yaml", "mumps", 4, 12);
     check("double_cantilever/opening.yaml", "hypre", 2, 4);
     check("gravity_dam/uplift.yaml", "gamg", 4, 9);
+    check("circular_inclusion/contact.yaml", "aggregation", 3, 12);
+    check("double_cantilever/opening.yaml", "aggregation", 2, 4);
 }

@@ -74,7 +74,7 @@ fn the_same(scene: &Scene, chosen: fn(usize) -> bool) {
         one.assert_same(&run, 1e-8);
         assert_quadratic(&run);
     }
-    for (place, solver) in ["gamg", "hypre", "multigrid"].into_iter().enumerate() {
+    for (place, solver) in ["gamg", "hypre", "multigrid", "aggregation"].into_iter().enumerate() {
         for ranks in (1..=4).filter(|ranks| chosen(place + ranks)) {
             one.assert_same(&with(solver, ranks), 1e-8);
         }
@@ -228,7 +228,7 @@ fn by_multigrid(ranks: [usize; 3]) {
     for (bodies, ranks) in bodies.into_iter().zip(ranks) {
         let scene = block(bodies).scattered();
         let direct = scene.set("solver.linear=mumps").on(ranks);
-        for solver in ["gamg", "hypre", "multigrid"] {
+        for solver in ["gamg", "hypre", "multigrid", "aggregation"] {
             direct.assert_same(&scene.set(&format!("solver.linear={solver}")).on(ranks), 1e-8);
         }
     }

@@ -21,7 +21,7 @@ const LIMIT: Duration = Duration::from_secs(120);
 const MOST_LAUNCHES: usize = 3;
 
 /// The linear solvers that are compared.
-pub const SOLVERS: [&str; 4] = ["mumps", "gamg", "hypre", "multigrid"];
+pub const SOLVERS: [&str; 5] = ["mumps", "gamg", "hypre", "multigrid", "aggregation"];
 
 static LAUNCHES: Mutex<usize> = Mutex::new(0);
 static ENDED: Condvar = Condvar::new();

@@ -19,7 +19,10 @@ const WALLS: [(&str, &[&str]); 5] = [
     ("element", &[]),
     ("mesh", &["case", "element", "error"]),
     ("bulk", &["case", "element", "error", "mesh"]),
-    ("assembly", &["bulk", "comm", "element", "error", "interface", "petsc", "simd", "space"]),
+    (
+        "assembly",
+        &["bulk", "comm", "element", "error", "interface", "petsc", "simd", "space", "sparse"],
+    ),
 ];
 
 /// What a lattice is made of, and the only rooms that know of it.

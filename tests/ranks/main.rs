@@ -6,6 +6,7 @@
 
 #![allow(clippy::print_stdout)] // the runner's own report
 
+mod aggregation;
 mod comm;
 #[path = "../common/mod.rs"]
 mod common;
@@ -42,6 +43,8 @@ const TESTS: &[Test] = &[
     ("unused_options_are_found", newton::unused_options_are_found),
     ("tangent_by_differences", tangent::tangent_by_differences),
     ("tangent_in_refined_meshes", tangent::tangent_in_refined_meshes),
+    ("aggregation_of_a_slender_beam", aggregation::of_a_slender_beam),
+    ("aggregation_without_couplings", aggregation::without_couplings),
     ("log_stages", linear_algebra::log_stages),
 ];
 

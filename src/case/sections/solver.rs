@@ -47,6 +47,8 @@ pub enum Linear {
     Auto,
     /// Parallel sparse direct solver
     Mumps,
+    /// Smoothed aggregation of blocks, in cycles of single precision.
+    Aggregation,
     /// Algebraic multigrid by smoothed aggregation, with rigid-body modes
     Gamg,
     /// BoomerAMG

@@ -12,6 +12,8 @@ use std::ptr;
 const LEFT: f64 = 1e-2;
 /// What a further solve may leave.
 const LEFT_OF_FURTHER: f64 = 1e-6;
+/// What rounding may leave, over the largest entry of the diagonal times the solution.
+const ROUNDING: f64 = 1e-13;
 /// Where a method has come to its last iteration, a correction that leaves this much of the
 /// residual is worth taking: Newton's method corrects what is left.
 pub(in crate::petsc) const WORTH: f64 = 1e-3;
@@ -125,10 +127,37 @@ impl Ksp {
         Ok(usize::try_from(most).unwrap_or(usize::MAX))
     }
 
+    /// Whether a further solve has left little enough of its right-hand side, or no more than
+    /// rounding where the solution is large, as beside a singular tangent. Collective.
+    pub(super) fn is_solved(self, left: f64, rhs: f64) -> Result<bool> {
+        Ok(left <= LEFT_OF_FURTHER * rhs || left <= ROUNDING * self.size_of_product()?)
+    }
+
+    /// The largest entry of the diagonal times the 2-norm of the solution. Collective.
+    fn size_of_product(self) -> Result<f64> {
+        let [mut x, mut diagonal] = [ptr::null_mut(); 2];
+        let ([mut a, mut preconditioner], nowhere) = ([ptr::null_mut(); 2], ptr::null_mut());
+        let (mut norm, mut low, mut high) = (0.0, 0.0, 0.0);
+        // SAFETY: a valid solver with operators and solution, which it lends; the vector that is
+        // made of their layout is destroyed once.
+        unsafe {
+            check(ffi::KSPGetSolution(self.raw, &mut x), "KSPGetSolution")?;
+            let code = ffi::KSPGetOperators(self.raw, &mut a, &mut preconditioner);
+            check(code, "KSPGetOperators")?;
+            check(ffi::VecNorm(x, ffi::NORM_2, &mut norm), "VecNorm")?;
+            check(ffi::VecDuplicate(x, &mut diagonal), "VecDuplicate")?;
+            check(ffi::MatGetDiagonal(a, diagonal), "MatGetDiagonal")?;
+            check(ffi::VecMax(diagonal, nowhere, &mut high), "VecMax")?;
+            check(ffi::VecMin(diagonal, nowhere, &mut low), "VecMin")?;
+            check(ffi::VecDestroy(&mut diagonal), "VecDestroy")?;
+        }
+        Ok(norm * f64::max(high, -low))
+    }
+
     /// Refuses a further solve that left too much of its right-hand side. Collective.
     pub(super) fn refuse_what_is_left(self, rhs: f64) -> Result<()> {
         let left = self.true_residual()?;
-        if left <= LEFT_OF_FURTHER * rhs {
+        if self.is_solved(left, rhs)? {
             return Ok(());
         }
         let words = if self.is_iterative()? {

@@ -6,7 +6,7 @@ use super::super::error::check;
 use super::super::ffi;
 use super::super::linear::{Ksp, LinearFailure};
 use super::definite::precondition_by;
-use super::{Snes, SolveReport};
+use super::{Matrix, Snes, SolveReport};
 use crate::error::Result;
 
 /// GMRES on a tangent that is indefinite: its vectors stay orthogonal, and where a restart shows
@@ -33,7 +33,11 @@ impl Snes {
     }
 
     /// Whether conjugate gradients, which are ours to replace, met what they cannot be used for.
-    fn is_suspicious(&self, report: &SolveReport) -> Result<bool> {
+    /// Local.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn is_suspicious(&self, report: &SolveReport) -> Result<bool> {
         let method = format!("{}ksp_type", self.prefix);
         let ours = self.defaults.contains(&method) && self.ksp_type()? == "cg";
         Ok(ours && report.failing_linear.as_ref().is_some_and(LinearFailure::is_indefinite))
@@ -60,7 +64,7 @@ impl Snes {
         if !self.is_suspicious(report)? {
             return Ok(false);
         }
-        self.set_unless_fixed("ksp_type", "gmres")?;
+        self.set_unless_fixed("ksp_type", self.ksp.indefinite_method()?)?;
         for (name, value) in GMRES {
             self.set_unless_fixed(name, value)?;
         }
@@ -70,25 +74,37 @@ impl Snes {
     }
 
     /// After a linear solve that failed though its method and preconditioner are those of a preset
-    /// of algebraic multigrid: takes elimination from now on, as `options` say. Tells whether it
-    /// did. Collective.
+    /// of algebraic multigrid: takes elimination from now on, as `options` say, of `entries` where
+    /// the operator has none. Tells whether it did. Collective.
     ///
     /// # Errors
     /// `System` when PETSc fails.
-    pub fn try_elimination(&mut self, options: &[(&str, &str)]) -> Result<bool> {
+    pub fn try_elimination(
+        &mut self,
+        options: &[(&str, &str)],
+        entries: Option<Matrix>,
+    ) -> Result<bool> {
         let ours = ["ksp_type", "ksp_max_it", "pc_type"];
         let ours =
             ours.iter().all(|name| self.defaults.contains(&format!("{}{name}", self.prefix)));
-        if !ours || !matches!(&*self.pc_type()?, "gamg" | "hypre") {
+        let pc = self.pc_type()?;
+        let serves = entries.is_some() && pc == "shell" || matches!(&*pc, "gamg" | "hypre");
+        if !ours || !serves {
             return Ok(false);
         }
         for (name, value) in options {
             self.set_unless_fixed(name, value)?;
         }
-        self.definite.forget();
-        // SAFETY: a valid solver and its own matrix.
-        unsafe { precondition_by(self.raw, self.matrix.raw()) }?;
-        self.forget_factors()?;
+        match entries {
+            Some(copy) => self.definite.eliminate(copy),
+            None => self.definite.forget(),
+        }
+        let of = self.definite.or(&self.matrix);
+        // SAFETY: a valid solver, and its own matrix or the copy of it.
+        unsafe { precondition_by(self.raw, of) }?;
+        let comm = self.petsc.comm();
+        // SAFETY: the valid solver that this owns; the old linear solver is replaced here.
+        self.ksp = unsafe { Ksp::renewed(self.raw, comm, &self.prefix)? };
         Ok(true)
     }
 

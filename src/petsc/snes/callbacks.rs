@@ -72,7 +72,7 @@ pub(super) unsafe extern "C" fn tangent<S: NonlinearSystem>(
         // SAFETY: PETSc lends a valid vector for the length of the call.
         let x = unsafe { ReadView::new(x) }?;
         let change = context.system.tangent(&x, context.matrix)?;
-        if change == TangentChange::Changed {
+        if context.definite.follows(change) {
             let of = context.definite.choose(context.system, context.matrix, context.ksp)?;
             // SAFETY: the solver that calls, and its own matrix or the copy of it.
             unsafe { precondition_by(snes, of) }?;

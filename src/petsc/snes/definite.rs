@@ -5,7 +5,7 @@
 use super::super::error::check;
 use super::super::linear::Ksp;
 use super::super::{Matrix, ffi};
-use super::system::NonlinearSystem;
+use super::system::{NonlinearSystem, TangentChange};
 use crate::error::Result;
 use std::ptr;
 
@@ -16,6 +16,8 @@ pub(super) struct Definite {
     copy: Option<Matrix>,
     /// Whether the preconditioner is made of it.
     is_used: bool,
+    /// Whether the copy is the tangent itself, whose operator has no entries, to be eliminated.
+    is_eliminated: bool,
 }
 
 impl Definite {
@@ -30,6 +32,10 @@ impl Definite {
         matrix: &Matrix,
         ksp: Ksp,
     ) -> Result<ffi::Mat> {
+        if let Some(copy) = self.copy.as_mut().filter(|_| self.is_eliminated) {
+            system.write(copy)?;
+            return Ok(copy.raw());
+        }
         let serves = ksp.is_iterative()? && matches!(&*ksp.pc_type_name()?, "gamg" | "hypre");
         self.is_used = serves && system.softens();
         if self.is_used {
@@ -41,6 +47,21 @@ impl Definite {
             self.copy = Some(copy);
         }
         Ok(self.or(matrix))
+    }
+
+    /// Whether the preconditioner is to be built again for a tangent that changed in this way.
+    /// Local.
+    pub(super) fn follows(&self, change: TangentChange) -> bool {
+        match change {
+            TangentChange::Unchanged => false,
+            TangentChange::Changed => true,
+            TangentChange::ChangedKeepPreconditioner => self.is_eliminated,
+        }
+    }
+
+    /// From now on `copy` takes the entries of the tangent, and is factored. Local.
+    pub(super) fn eliminate(&mut self, copy: Matrix) {
+        *self = Self { copy: Some(copy), is_used: true, is_eliminated: true };
     }
 
     /// From now on the preconditioner is made of the tangent. Local.

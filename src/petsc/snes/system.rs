@@ -68,6 +68,13 @@ pub trait NonlinearSystem {
         Ok(())
     }
 
+    /// Writes the tangent into a matrix of the same rows, where its operator has no entries and it
+    /// is to be eliminated.
+    fn write(&mut self, copy: &mut Matrix) -> Result<()> {
+        let _ = copy;
+        Ok(())
+    }
+
     /// Turns the correction that the linear solve returned into the direction d of the unknowns:
     /// x becomes x - d (times the step length of the line search). `solve` solves a further system
     /// with the same tangent.

@@ -42,7 +42,7 @@ impl Snes {
         system: &mut S,
         change: TangentChange,
     ) -> Result<TangentAt<'_>> {
-        if change == TangentChange::Changed {
+        if self.definite.follows(change) {
             self.definite.choose(system, &self.matrix, self.ksp)?;
         }
         self.set_up(change)
@@ -116,11 +116,12 @@ impl TangentAt<'_> {
             return Ok(None);
         }
         let (ksp, matrix) = (self.snes.ksp.raw(), self.snes.matrix.raw());
+        let of = self.snes.definite.or(&self.snes.matrix);
         let mut shifted = ptr::null_mut();
         // SAFETY: a valid matrix; the copy is destroyed once, the solver holds a reference of its
         // own.
         unsafe {
-            let code = ffi::MatDuplicate(matrix, ffi::MAT_COPY_VALUES, &mut shifted);
+            let code = ffi::MatDuplicate(of, ffi::MAT_COPY_VALUES, &mut shifted);
             check(code, "MatDuplicate")?;
             check(ffi::MatShift(shifted, bound), "MatShift")?;
             check(ffi::KSPSetOperators(ksp, shifted, shifted), "KSPSetOperators")?;
@@ -130,7 +131,7 @@ impl TangentAt<'_> {
         }
         let counted = self.snes.factor().and_then(|()| self.snes.negative_pivots());
         // SAFETY: a valid solver and its own matrix.
-        check(unsafe { ffi::KSPSetOperators(ksp, matrix, matrix) }, "KSPSetOperators")?;
+        check(unsafe { ffi::KSPSetOperators(ksp, matrix, of) }, "KSPSetOperators")?;
         self.snes.factor()?;
         counted
     }

@@ -49,6 +49,9 @@ const GAMG: &[(&str, &str)] = &[
     ("mg_levels_pc_type", "jacobi"),
 ];
 
+/// Conjugate gradients with smoothed aggregation in blocks, which is given to the preconditioner.
+const BLOCKS: &[(&str, &str)] = &[("ksp_type", "cg"), ("ksp_max_it", "500"), ("pc_type", "shell")];
+
 /// Conjugate gradients with BoomerAMG by unknowns: several times faster here than its defaults.
 const HYPRE: &[(&str, &str)] = &[
     ("ksp_type", "cg"),
@@ -77,9 +80,17 @@ const LEVELS: &[(&str, &str)] = &[
 /// Name of the preset that needs a hierarchy of meshes.
 pub const MULTIGRID: &str = "multigrid";
 
+/// Name of the preset that needs the tangent in blocks.
+pub const AGGREGATION: &str = "aggregation";
+
 /// The presets by name; a new one is a line here.
-const PRESETS: &[(&str, &[(&str, &str)])] =
-    &[("mumps", MUMPS), ("gamg", GAMG), ("hypre", HYPRE), (MULTIGRID, LEVELS)];
+const PRESETS: &[(&str, &[(&str, &str)])] = &[
+    ("mumps", MUMPS),
+    (AGGREGATION, BLOCKS),
+    ("gamg", GAMG),
+    ("hypre", HYPRE),
+    (MULTIGRID, LEVELS),
+];
 
 /// Elimination is taken below this many unknowns: there it costs less than the levels of multigrid,
 /// above it soon costs more than all of the rest.
@@ -102,6 +113,7 @@ impl LinearChoice {
         }
         match case.solver.linear {
             Linear::Mumps => Self::named("mumps", "asked for".into()),
+            Linear::Aggregation => Self::named(AGGREGATION, "asked for".into()),
             Linear::Gamg => Self::named("gamg", "asked for".into()),
             Linear::Hypre => Self::named("hypre", "asked for".into()),
             Linear::Multigrid => Self::named(MULTIGRID, "asked for".into()),
@@ -166,7 +178,7 @@ impl LinearChoice {
             return Self::named("mumps", why);
         }
         let why = "aggregation of its nodes, which knows rigid motions, makes iterations few";
-        Self::named("gamg", format!("{unknowns:.0} unknowns of a mesh in {dim}D: {why}"))
+        Self::named(AGGREGATION, format!("{unknowns:.0} unknowns of a mesh in {dim}D: {why}"))
     }
 }
 

@@ -3,7 +3,7 @@
 //! Measured on columns and cubes of 10 000 to 530 000 unknowns: within 30 % of the largest resident
 //! memory with every preset on 1 and 2 ranks; with flow on squares and cubes of 13 000 to 150 000.
 
-use super::linear::MULTIGRID;
+use super::linear::{AGGREGATION, MULTIGRID};
 use crate::case::Case;
 use crate::mesh::MeshFacts;
 
@@ -12,7 +12,8 @@ const PER_RANK: f64 = 5.5e7;
 
 /// Bytes per unknown of the presets whose memory grows with the size alone: 2D and 3D of first
 /// order, 2D and 3D of second order.
-const PER_UNKNOWN: [(&str, [f64; 4]); 3] = [
+const PER_UNKNOWN: [(&str, [f64; 4]); 4] = [
+    (AGGREGATION, [900.0, 1700.0, 1100.0, 3000.0]),
     (MULTIGRID, [440.0, 420.0, 420.0, 400.0]),
     ("gamg", [870.0, 1850.0, 1200.0, 3470.0]),
     ("hypre", [980.0, 2650.0, 1520.0, 5700.0]),

@@ -1,6 +1,7 @@
 //! The rigid motions in the unknowns, which smoothed aggregation has to reproduce.
 
-use crate::assembly::Discretization;
+use crate::aggregation::Motions;
+use crate::assembly::{Discretization, NodeState};
 use crate::comm::Comm;
 
 /// The rigid motions of the whole mesh at owned unknowns, at right angles to each other and of
@@ -50,4 +51,55 @@ pub fn rigid_motions(comm: &Comm, axes: &[usize], all: &Discretization) -> Vec<V
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The rigid motions of the mesh at each owned node in the unknowns, without those whose row is the
+/// identity, and without jumps, which they leave at zero; `state` is that of every entry of
+/// `all.secondary`. Lengths are parts of the size of the mesh. Collective.
+pub fn motions_of_nodes(
+    comm: &Comm,
+    axes: &[usize],
+    all: &Discretization,
+    state: &[NodeState],
+) -> Motions {
+    let dim = all.dim;
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for point in &all.nodes.points[..all.nodes.owned] {
+        for c in 0..3 {
+            (low[c], high[c]) = (low[c].min(point[c]), high[c].max(point[c]));
+        }
+    }
+    comm.min(&mut low);
+    comm.max(&mut high);
+    let size = (0..3).map(|c| high[c] - low[c]).fold(0.0, f64::max);
+    let planes: &[[usize; 2]] = if dim == 2 { &[[0, 1]] } else { &[[0, 1], [1, 2], [2, 0]] };
+    let count = dim + planes.len();
+    let mut values = vec![0.0; all.nodes.owned * dim * count];
+    for (node, values) in values.chunks_exact_mut(dim * count).enumerate() {
+        let held = all.identity_components(state, node);
+        let jump = all.secondary_of[node].map_or([false; 3], |index| state[index as usize].jump);
+        let points = &all.nodes.points;
+        for k in 0..count {
+            let motion = all.frames.unknowns(node as u32, |node| {
+                let mut u = [0.0; 3];
+                match k.checked_sub(dim) {
+                    None => u[k] = 1.0,
+                    Some(plane) => {
+                        let [a, b] = planes[plane];
+                        let place = |c: usize| {
+                            let axis = axes[c];
+                            let middle = 0.5 * (low[axis] + high[axis]);
+                            (points[node as usize][axis] - middle) / size
+                        };
+                        (u[a], u[b]) = (-place(b), place(a));
+                    }
+                }
+                u
+            });
+            for c in (0..dim).filter(|c| !held[*c] && !jump[*c]) {
+                values[c * count + k] = motion[c];
+            }
+        }
+    }
+    Motions { height: dim, count, values }
 }

@@ -4,6 +4,7 @@
 //! linear system of the condensed form (docs/theory.md), whose solution becomes a direction in the
 //! displacements by [`NonlinearSystem::direction`](crate::petsc::NonlinearSystem::direction).
 
+pub mod block_tangent;
 pub(in crate::solve) mod condensed;
 pub(in crate::solve) mod convergence;
 mod cycles;
@@ -38,6 +39,7 @@ use crate::solve::guess::rigid::RigidMotions;
 use crate::solve::model::interfaces::InterfaceState;
 use crate::solve::model::linear::LinearTarget;
 use crate::timers::Timers;
+use block_tangent::BlockTangent;
 use convergence::{Convergence, Iterate};
 use measure::Worst;
 use path::PathControl;
@@ -46,6 +48,8 @@ use path::PathControl;
 pub enum TangentForm {
     /// As a matrix.
     Assembled(Tangent),
+    /// As a matrix of blocks, with its preconditioner.
+    Blocks(BlockTangent),
     /// As the operator of the finest level of a hierarchy, without a matrix.
     Levels(Hierarchy),
     /// Not at all: another form takes its place.

@@ -7,7 +7,7 @@ use crate::assembly::NodeState;
 use crate::error::{Error, Result};
 use crate::fault;
 use crate::petsc::{
-    FurtherSolve, LinearTolerance, Matrix, NonlinearSystem, TangentChange, Trial, Verdict,
+    FurtherSolve, LinearTolerance, Matrix, NonlinearSystem, Petsc, TangentChange, Trial, Verdict,
 };
 use crate::timers::Phase;
 
@@ -36,30 +36,30 @@ impl NonlinearSystem for Problem<'_> {
             return Ok(TangentChange::Unchanged);
         }
         let _phase = self.timers.enter(Phase::Assembly);
+        if let TangentForm::Levels(hierarchy) = &mut self.form {
+            hierarchy.set_state(self.comm, &state, matrix)?;
+            // The levels are set up in no time.
+            self.assembled_state = Some(state);
+            return Ok(TangentChange::Changed);
+        }
+        let serves = !self.comm.any(!self.preconditioner_serves(&state));
         match &mut self.form {
             TangentForm::Assembled(tangent) => {
                 tangent.assemble(self.comm, &self.all, &state, matrix)?;
             }
-            TangentForm::Levels(hierarchy) => {
-                hierarchy.set_state(self.comm, &state, matrix)?;
-                // The levels are set up in no time.
-                self.assembled_state = Some(state);
-                return Ok(TangentChange::Changed);
+            TangentForm::Blocks(blocks) => {
+                if !serves {
+                    blocks.set_up(self.comm, &self.all, &state)?;
+                }
+                blocks.assemble(self.comm, &self.all, &state)?;
+                matrix.assemble()?;
             }
-            TangentForm::None => {
+            TangentForm::Levels(_) | TangentForm::None => {
                 return Err(Error::Bug("a tangent that is held elsewhere".into()));
             }
         }
-        let serves = self.preconditioned.as_ref().is_some_and(|old| {
-            let mut nodes = old.iter().zip(&state).zip(&self.all.secondary);
-            nodes.all(|((old, new), rows)| {
-                // The owner of a node judges it.
-                let cells = self.stiffness.get(rows.node as usize);
-                cells.is_none_or(|k| old.is_close_to(new, k / rows.law_weight(self.all.dim)))
-            })
-        });
         self.assembled_state = Some(state.clone());
-        if self.comm.any(!serves) {
+        if !serves {
             self.preconditioned = Some(state);
             return Ok(TangentChange::Changed);
         }
@@ -77,6 +77,13 @@ impl NonlinearSystem for Problem<'_> {
         match &mut self.form {
             TangentForm::Assembled(tangent) => tangent.assemble(self.comm, &self.all, &state, copy),
             _ => Err(Error::Bug("a tangent that is no matrix".into())),
+        }
+    }
+
+    fn write(&mut self, copy: &mut Matrix) -> Result<()> {
+        match &self.form {
+            TangentForm::Blocks(blocks) => blocks.write(self.comm, copy),
+            _ => Err(Error::Bug("a tangent without blocks".into())),
         }
     }
 
@@ -199,5 +206,41 @@ impl NonlinearSystem for Problem<'_> {
             scale = self.convergence.current().force;
         }
         self.linear.tolerance(norm, scale)
+    }
+}
+
+impl Problem<'_> {
+    /// A matrix of PETSc for the tangent in blocks; none of another form. Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails or memory is short.
+    pub fn matrix_of_blocks(&self, petsc: &Petsc) -> Result<Option<Matrix>> {
+        match &self.form {
+            TangentForm::Blocks(blocks) => blocks.empty_copy(petsc).map(Some),
+            _ => Ok(None),
+        }
+    }
+
+    /// Forgets a preconditioner of ours that was set up for another state than the tangent; tells
+    /// whether there was one. Collective.
+    pub fn forget_kept_preconditioner(&mut self) -> bool {
+        let kept = self.preconditioned != self.assembled_state;
+        if !matches!(self.form, TangentForm::Blocks(_)) || !self.comm.any(kept) {
+            return false;
+        }
+        (self.preconditioned, self.assembled_state) = (None, None);
+        true
+    }
+
+    /// Whether the preconditioner was set up for a state that is close to this one at this rank's
+    /// nodes. Local.
+    fn preconditioner_serves(&self, state: &[NodeState]) -> bool {
+        let Some(old) = &self.preconditioned else { return false };
+        let mut nodes = old.iter().zip(state).zip(&self.all.secondary);
+        nodes.all(|((old, new), rows)| {
+            // The owner of a node judges it.
+            let cells = self.stiffness.get(rows.node as usize);
+            cells.is_none_or(|k| old.is_close_to(new, k / rows.law_weight(self.all.dim)))
+        })
     }
 }

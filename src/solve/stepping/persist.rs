@@ -25,7 +25,10 @@ impl Stepper<'_> {
             tracing::info!("  {why}: MUMPS gets more work space");
             report = self.go_on(&report)?;
         }
-        if self.snes.try_new_preconditioner(&report)? {
+        let renewed = self.snes.is_suspicious(&report)?
+            && self.problem.forget_kept_preconditioner()
+            || self.snes.try_new_preconditioner(&report)?;
+        if renewed {
             // Collective, while what is told is not worked out on ranks that are silent.
             let why = self.reason(&report);
             tracing::debug!("  {why}: again with a new preconditioner");
@@ -41,7 +44,8 @@ impl Stepper<'_> {
         let unknowns = self.problem.all.nodes.total * self.problem.all.dim as u64;
         if (unsolved || report.failing_linear.is_some())
             && let Some(options) = LinearChoice::elimination(unknowns)
-            && self.snes.try_elimination(options)?
+            && let entries = self.problem.matrix_of_blocks(self.snes.petsc())?
+            && self.snes.try_elimination(options, entries)?
         {
             let why = self.reason(&report);
             tracing::info!("  {why}: MUMPS takes the place of iterations");
