@@ -63,12 +63,14 @@ impl BlockTangent {
         Ok(Self { tangent, matrix, cycle: Rc::default(), axes })
     }
 
-    /// A matrix of PETSc with room for the entries. Collective.
+    /// A matrix of PETSc with the entries. Collective.
     ///
     /// # Errors
     /// `System` when PETSc fails or memory is short.
-    pub fn empty_copy(&self, petsc: &Petsc) -> Result<Matrix> {
-        self.matrix.0.borrow().empty_copy(petsc)
+    pub fn copy(&self, comm: &Comm, petsc: &Petsc) -> Result<Matrix> {
+        let mut copy = self.matrix.0.borrow().empty_copy(petsc)?;
+        self.write(comm, &mut copy)?;
+        Ok(copy)
     }
 
     /// Writes the entries into such a matrix. Collective.

@@ -210,13 +210,13 @@ impl NonlinearSystem for Problem<'_> {
 }
 
 impl Problem<'_> {
-    /// A matrix of PETSc for the tangent in blocks; none of another form. Collective.
+    /// The tangent in blocks as a matrix of PETSc; none of another form. Collective.
     ///
     /// # Errors
     /// `System` when PETSc fails or memory is short.
     pub fn matrix_of_blocks(&self, petsc: &Petsc) -> Result<Option<Matrix>> {
         match &self.form {
-            TangentForm::Blocks(blocks) => blocks.empty_copy(petsc).map(Some),
+            TangentForm::Blocks(blocks) => blocks.copy(self.comm, petsc).map(Some),
             _ => Ok(None),
         }
     }
