@@ -60,8 +60,14 @@ pub fn row(
 }
 
 /// Puts 0 for the tractions and jumps of components that a smaller model leaves out and the model
-/// asked for has, as `has` tells by interface and component. Local.
-pub fn fill(case: &Case, row: &mut [Option<f64>], has: impl Fn(usize, usize) -> bool) {
+/// asked for has, as `has` tells by interface and component, and the `totals` of its interfaces in
+/// the place of the smaller model's. Local.
+pub fn fill(
+    case: &Case,
+    row: &mut [Option<f64>],
+    has: impl Fn(usize, usize) -> bool,
+    totals: &[[f64; 4]],
+) {
     let mut at = FIRST_OF_INTERFACES;
     for (number, interface) in case.interfaces.iter().enumerate() {
         for quantity in case.interface_quantities(interface) {
@@ -71,6 +77,10 @@ pub fn fill(case: &Case, row: &mut [Option<f64>], has: impl Fn(usize, usize) -> 
                 row[at..at + 3].iter_mut().for_each(|value| *value = value.or(Some(0.0)));
             }
             at += 3;
+        }
+        for total in &totals[number][..=case.dim] {
+            row[at] = Some(*total);
+            at += 1;
         }
         // Flow into the rock on both sides.
         at += if case.has_flux(interface) { 2 } else { 0 };
@@ -129,12 +139,15 @@ fn interface_statistics(case: &Case, model: &Model<'_>, comm: &Comm) -> Vec<Opti
         let [weighted, weight] = [sums[2 * i], sums[2 * i + 1]];
         *statistic = Statistic { least: least[i], most: most[i], weighted, weight };
     }
-    let totals = case.mesh.file().map(|_| totals(case, model, comm));
+    let problem = &model.stepper.problem;
+    let mut totals =
+        totals(case, &problem.all, |index| problem.interfaces.response[index].bulk_traction);
+    comm.sum(totals.as_flattened_mut());
     let flow = model.stepper.coupling.as_ref().map(|coupling| &coupling.flow);
     let mut row = Vec::with_capacity(3 * least.len());
     for (number, own) in all.iter().enumerate() {
         row.extend(own.iter().flat_map(Statistic::columns));
-        row.extend(totals.iter().flat_map(|totals| &totals[number][..=case.dim]).map(|v| Some(*v)));
+        row.extend(totals[number][..=case.dim].iter().map(|v| Some(*v)));
         if let Some(flow) = flow.filter(|_| case.has_flux(&case.interfaces[number])) {
             let lips = &model.mesh.facts.interfaces[number];
             let sides = flow.into_sides[number].iter().zip(lips);
@@ -173,20 +186,24 @@ fn along_surface(
 }
 
 /// The force of the upper side of each interface on the lower one by component (N), then its area
-/// (m2). Collective.
-fn totals(case: &Case, model: &Model<'_>, comm: &Comm) -> Vec<[f64; 4]> {
-    let problem = &model.stepper.problem;
-    let (all, dim) = (&problem.all, case.dim);
+/// (m2), of the multiplier nodes that this rank owns; `traction` is that of each of them in the
+/// frame of its node (Pa). Local.
+pub fn totals(
+    case: &Case,
+    all: &Discretization,
+    traction: impl Fn(usize) -> [f64; 3],
+) -> Vec<[f64; 4]> {
+    let dim = case.dim;
     let mut sums = vec![[0.0; 4]; case.interfaces.len()];
-    for (rows, response) in all.secondary.iter().zip(&problem.interfaces.response) {
+    for (index, rows) in all.secondary[..all.owned_secondary()].iter().enumerate() {
         let of = |c: usize| rows.rows[c].as_ref().map_or(0.0, |row| row.weight);
-        let force = std::array::from_fn(|c| of(c) * response.bulk_traction[c]);
+        let traction = traction(index);
+        let force = std::array::from_fn(|c| of(c) * traction[c]);
         let force = all.frames.turned_back(&all.frames.rotation(rows.node), force);
         let sum = &mut sums[rows.interface];
         sum.iter_mut().zip(&force[..dim]).for_each(|(sum, force)| *sum += force);
         sum[dim] += if rows.has_multiplier() { rows.law_weight(dim) } else { 0.0 };
     }
-    comm.sum(sums.as_flattened_mut());
     sums
 }
 

@@ -127,7 +127,8 @@ impl Reduced {
     }
 
     /// Completes the rows of the history by what vanishes where the smaller model has no node, and
-    /// by the reactions of the nodes of the model asked for. Collective.
+    /// by the reactions, the forces in the interfaces and their areas of the nodes of the model
+    /// asked for. Collective.
     fn fill(
         &mut self,
         runtime: &Runtime,
@@ -143,10 +144,32 @@ impl Reduced {
             }
         }
         runtime.comm.max(&mut has);
-        for ((row, _), reactions) in self.rows.iter_mut().zip(reactions) {
-            history::fill(case, row, |interface, c| has[3 * interface + c] > 0.0);
+        let mut totals = Vec::with_capacity(self.states.len());
+        for state in &self.states {
+            let traction = |index: usize| self.traction(state, all.name_and_interface(index).0);
+            totals.push(history::totals(case, all, traction));
+        }
+        let mut flat: Vec<f64> = totals.concat().concat();
+        runtime.comm.sum(&mut flat);
+        let per_state = case.interfaces.len();
+        let sums = flat.as_chunks::<4>().0;
+        for (number, ((row, _), reactions)) in self.rows.iter_mut().zip(reactions).enumerate() {
+            let totals = &sums[number * per_state..][..per_state];
+            history::fill(case, row, |interface, c| has[3 * interface + c] > 0.0, totals);
             history::put_reactions(case, row, reactions);
         }
+    }
+
+    /// The traction that the states give a secondary node of the model asked for (Pa). Local.
+    fn traction(&self, state: &Snapshot, name: u64) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        self.prolongation.parents(name, |parent, weight| {
+            if let Some(parent) = &state.interface[parent] {
+                let own = parent.response.bulk_traction;
+                (0..3).for_each(|c| sum[c] += weight * own[c]);
+            }
+        });
+        sum
     }
 
     /// What took the state of an instant, by its place in the list, and its row of the history.
@@ -165,17 +188,14 @@ impl Reduced {
         for (index, response) in problem.interfaces.response.iter_mut().enumerate() {
             let rows = &all.secondary[index];
             let name = all.nodes.names[rows.node as usize];
-            let mut traction = [0.0; 3];
             let mut heaviest = 0.0;
             self.prolongation.parents(name, |parent, weight| {
-                let Some(parent) = &state.interface[parent] else { return };
-                let own = parent.response.bulk_traction;
-                (0..3).for_each(|c| traction[c] += weight * own[c]);
-                if weight > heaviest {
-                    (heaviest, *response) = (weight, parent.response);
-                }
+                let Some(parent) = state.interface[parent].filter(|_| weight > heaviest) else {
+                    return;
+                };
+                (heaviest, *response) = (weight, parent.response);
             });
-            response.bulk_traction = traction;
+            response.bulk_traction = self.traction(state, name);
         }
     }
 

@@ -1,4 +1,5 @@
-//! The forces of supports on surfaces that share edges: each surface counts all its nodes.
+//! The forces of supports on surfaces that share edges: each surface counts all its nodes. The
+//! forces in interfaces.
 
 use crate::scene::{Run, Scene};
 
@@ -62,7 +63,15 @@ fn a_wall_counts_the_nodes_that_the_bottom_holds() {
             ("total.reaction_x", 0.0),
             ("total.reaction_y", 0.0),
             ("total.reaction_z", total),
+            // Of the upper side on the lower one.
+            ("joint.force_x", 0.0),
+            ("joint.force_y", 0.0),
+            ("joint.force_z", -(pressure + weight * (z - 1.5)) * x * y),
         ];
+        let check = |run: &Run, exact: &[(&str, f64)], largest: f64| {
+            check(run, exact, largest);
+            check(run, &[("joint.area", x * y)], 1.0);
+        };
         for ranks in 1..=3 {
             check(&scene.on(ranks), &exact, total);
         }
@@ -106,6 +115,7 @@ fn walls_in_2d_along_a_path() {
     let unbroken = scene.on(1);
     for run in [scene.on(3), scene.stopped(2, "history:1:term:2", 1)] {
         unbroken.assert_same(&run, 1e-9);
+        check(&run, &[("joint.area", x)], 1.0);
         let traction = run.column("joint.normal_traction.mean");
         for (row, traction) in traction.into_iter().enumerate() {
             let wall = POISSON / (1.0 - POISSON) * traction * z;
@@ -116,10 +126,59 @@ fn walls_in_2d_along_a_path() {
                 ("left.reaction_z", 0.5 * traction * x * (1.0 / 2.0 - 1.0 / 3.0)),
                 ("total.reaction_x", 0.0),
                 ("total.reaction_z", 0.0),
+                ("joint.force_x", 0.0),
+                ("joint.force_z", traction * x),
             ] {
                 let value = run.column(name)[row];
                 assert!((value - exact).abs() <= 1e-8 * 1.1e6 * z, "{name} {value:e} {exact:e}");
             }
+        }
+    }
+}
+
+/// Sheared along both axes across the joint: what the upper side does to the lower one is the
+/// stress times the area, also where the nodes of the sides do not match, and in a smaller model
+/// that serves.
+#[test]
+fn a_sheared_joint_tells_its_force() {
+    let [x, y] = [2.0, 1.5];
+    let stress = [3.0e5, -2.0e5, -4.0e5];
+    let entry =
+        |on: &str, components: String| format!("  - {{on: {on}, traction: {{{components}}}}}\n");
+    let [a, b, c] = stress;
+    let (back, front) = (-a, -b);
+    let more = [
+        entry("top", format!("x: {a}, y: {b}, z: {c}")),
+        entry("right", format!("z: {a}")),
+        entry("left", format!("z: {back}")),
+        entry("back", format!("z: {b}")),
+        entry("front", format!("z: {front}")),
+    ];
+    for (cells, auto) in [
+        ("[{cells: [6, 4, 3]}, {cells: [6, 4, 5]}]", true),
+        ("[{cells: [2, 3, 2]}, {cells: [3, 2, 3]}]", false),
+    ] {
+        let yaml = format!(
+            "mesh: {{column: {{size: [{x}, {y}, 4], bodies: {cells}}}}}\n\
+             materials: {{rock: {{elastic: {{young_modulus: 5.8e9, poisson_ratio: 0}}}}}}\n\
+             interfaces: [{{name: joint, z: 1.5, law: {{linear_softening: {{strength: 1.1e6, \
+             fracture_energy: 900}}}}}}]\n\
+             boundary:\n  - {{on: bottom, displacement: {{x: 0, y: 0, z: 0}}}}\n{}\
+             time: {{instants: [1]}}\n",
+            more.concat()
+        );
+        let scene = Scene::new("sheared", &yaml);
+        let area = x * y;
+        let forces = [("x", 0), ("y", 1), ("z", 2)];
+        let forces = forces.map(|(axis, i)| (format!("joint.force_{axis}"), stress[i] * area));
+        let forces = forces.each_ref().map(|(name, force)| (name.as_str(), *force));
+        let mut runs: Vec<Run> = (1..=3).map(|ranks| scene.on(ranks)).collect();
+        if auto {
+            runs.push(scene.reduced().on(2));
+        }
+        for run in &runs {
+            check(run, &forces, 4.0e5 * area);
+            check(run, &[("joint.area", area)], 1.0);
         }
     }
 }

@@ -9,7 +9,8 @@ pub enum Kind {
     Traction,
     Length,
     Damage,
-    Reaction,
+    Force,
+    Area,
     Energy,
     Mass,
     Flux,
@@ -27,7 +28,9 @@ impl Kind {
             ("sliding", Some(Self::Length)),
             ("displacement", Some(Self::Length)),
             ("damage", Some(Self::Damage)),
-            ("reaction", Some(Self::Reaction)),
+            ("reaction", Some(Self::Force)),
+            ("force", Some(Self::Force)),
+            ("area", Some(Self::Area)),
             ("energy", Some(Self::Energy)),
             ("mass", Some(Self::Mass)),
             ("flux", Some(Self::Flux)),
@@ -181,7 +184,8 @@ impl Change {
             let to = self.to[axis];
             parts[1] = format!("{}{}", &quantity[..quantity.len() - 1], AXES[to]);
             // Of the upper side against the lower one.
-            let relative = quantity.starts_with("shear") || quantity.starts_with("sliding");
+            let is_of_sides = |word: &&str| quantity.starts_with(word);
+            let relative = ["shear", "sliding", "force"].iter().any(is_of_sides);
             if self.turned[to] != (relative && self.turned[2]) {
                 factor = -factor;
             }
@@ -210,7 +214,8 @@ impl Change {
             Some(Kind::Traction) => stress,
             Some(Kind::Length) => length,
             Some(Kind::Damage | Kind::Time) | None => 1.0,
-            Some(Kind::Reaction) => stress * across * self.depth,
+            Some(Kind::Force) => stress * across * self.depth,
+            Some(Kind::Area) => across * self.depth,
             Some(Kind::Energy) => stress * across * length * self.depth,
             Some(Kind::Mass) => stress / length * across * self.depth,
             Some(Kind::Flux) => stress / length,

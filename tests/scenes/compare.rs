@@ -35,8 +35,9 @@ impl<'a> Measure<'a> {
             Kind::Traction => *stress,
             Kind::Length => *length,
             Kind::Damage | Kind::Time => return 1.0,
-            Kind::Reaction => stress * area,
+            Kind::Force => stress * area,
             Kind::Energy => stress * length * area,
+            Kind::Area => area,
             Kind::Mass => mass * area,
             Kind::Flux => mass,
         };
@@ -131,10 +132,10 @@ impl<'a> Measure<'a> {
                     check(&name("damage"), Kind::Damage, state.damage[index]);
                 }
             }
-            check("bottom.reaction_z", Kind::Reaction, state.reaction[0]);
-            check("top.reaction_z", Kind::Reaction, state.reaction[1]);
+            check("bottom.reaction_z", Kind::Force, state.reaction[0]);
+            check("top.reaction_z", Kind::Force, state.reaction[1]);
             if let Some(force) = state.aside {
-                check("left.reaction_x", Kind::Reaction, force);
+                check("left.reaction_x", Kind::Force, force);
             }
         }
         told(found)

@@ -58,14 +58,10 @@ impl Case {
     }
 
     /// What an interface has one value of, in the order of the columns: the force of the upper side
-    /// on the lower one along each axis (N; in 2D per metre), and the area (m2; in 2D m). Only on
-    /// the mesh of a file so far.
-    pub fn interface_totals(&self) -> Vec<String> {
-        if self.mesh.file().is_none() {
-            return Vec::new();
-        }
+    /// on the lower one along each axis (N; in 2D per metre), and the area (m2; in 2D m).
+    pub fn interface_totals(&self) -> impl Iterator<Item = String> {
         let forces = self.axis_names().map(|axis| format!("force_{axis}"));
-        forces.chain(["area".to_owned()]).collect()
+        forces.chain(["area".to_owned()])
     }
 
     /// The surfaces that prescribe a displacement, in the order of their first entry.
@@ -103,7 +99,7 @@ impl Case {
                 }
             }
             let totals = self.interface_totals();
-            columns.extend(totals.into_iter().map(|of| format!("{}.{of}", interface.name)));
+            columns.extend(totals.map(|of| format!("{}.{of}", interface.name)));
             if self.has_flux(interface) {
                 columns.extend(
                     ["flux_lower", "flux_upper"].map(|of| format!("{}.{of}", interface.name)),
