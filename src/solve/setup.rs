@@ -62,8 +62,8 @@ pub fn build<'a>(
     let comm = &runtime.comm;
     let BoundaryValueProblem { mesh, all, sides, supports, loads, mut remarks } = problem;
     let (dim, unknowns) = (case.dim, all.nodes.total * case.dim as u64);
-    let interfaces = interfaces(comm, case, &mesh, &sides, &all)?;
-    remarks.extend(gaps_in_words(comm, case, &all, &interfaces.gaps));
+    let (interfaces, of_gaps) = interfaces(comm, case, &mesh, &sides, &all)?;
+    remarks.extend(of_gaps);
     let tolerance = case.solver.tolerance * share_of_corners(&mesh.facts);
     let convergence = convergence(case, tolerance);
 
@@ -120,24 +120,26 @@ fn begin_flow(comm: &Comm, all: &Discretization, flow: &mut Flow, x: &mut Vector
     Ok(())
 }
 
-/// The undamaged, unloaded interfaces. Collective.
+/// The undamaged, unloaded interfaces, and what is to be said of their gaps. Collective.
 fn interfaces(
     comm: &Comm,
     case: &Case,
     mesh: &LocalMesh,
     sides: &[Sides],
     all: &Discretization,
-) -> Result<InterfaceState> {
+) -> Result<(InterfaceState, Vec<String>)> {
     let owned = all.secondary[..all.owned_secondary()].iter();
     let places = owned.map(|rows| {
         let node = rows.node as usize;
         (rows.interface, all.nodes.names[node], all.nodes.points[node])
     });
     let factors = AtNode::agree(comm, strength_factors(case, places))?;
-    let nodes = NodeData { factors, gaps: gaps(comm, case, mesh, sides, all) };
+    let (gaps, mut words) = gaps(comm, case, mesh, sides, all);
+    words.extend(gaps_in_words(comm, case, all, &gaps));
+    let nodes = NodeData { factors, gaps };
     let mut state = InterfaceState::new(all, joint_laws(case, mesh, sides), nodes);
     state.is_gradual = case.interfaces.iter().any(|i| i.film.is_some());
-    Ok(state)
+    Ok((state, words))
 }
 
 /// The test of convergence, with this `tolerance` of forces.

@@ -97,6 +97,19 @@ fn gaps_wider_than_a_facet_are_seen() {
     assert_eq!(run.told("remarks"), ["interface contact: a gap of up to 4.000e-1 m at the start"]);
 }
 
+/// By less than what the facets of the round sides cut off, which is told in the report.
+#[test]
+fn gaps_of_curved_facets_are_taken_for_closed_and_told() {
+    for ranks in [1, 2] {
+        let run = Scene::shipped("circular_inclusion/contact.yaml").on(ranks);
+        let told = run.told("remarks");
+        let of_rim = told.iter().filter(|words| words.starts_with("interface rim: gaps of up to "));
+        let of_rim: Vec<&String> = of_rim.collect();
+        assert!(matches!(of_rim[..], [one] if one.ends_with("are taken for closed")), "{told:?}");
+        run.assert_column("rim.normal_jump.max", &[0.0], 0.0, 1e-12);
+    }
+}
+
 /// What has come into each other by 1e-4 m is pressed by that from the start.
 #[test]
 fn sides_in_each_other_press() {

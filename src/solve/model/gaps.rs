@@ -24,14 +24,15 @@ const BY_FACETS: f64 = 2.0;
 /// The gap of each owned secondary node (m): the jump of the positions along the normal, weighted
 /// as that of the displacement is; negative where the sides have come into each other. 0 at
 /// interfaces whose sides are taken for lying on each other or are nowhere farther apart than their
-/// facets cut off the curve, and where the normal component has no multiplier. Collective.
+/// facets cut off the curve, which are told in words, and where the normal component has no
+/// multiplier. Collective.
 pub fn gaps(
     comm: &Comm,
     case: &Case,
     mesh: &LocalMesh,
     sides: &[Sides],
     all: &Discretization,
-) -> Vec<f64> {
+) -> (Vec<f64>, Vec<String>) {
     let owned = || all.secondary[..all.owned_secondary()].iter();
     let of = |rows: &JumpRows<u32>| {
         if sides[rows.interface].has_gap { gap(all, rows, case.axes) } else { 0.0 }
@@ -49,19 +50,21 @@ pub fn gaps(
     }
     comm.max(most.as_flattened_mut());
     let is_closed = |interface: usize| most[interface][1] == 0.0;
+    let mut words = Vec::new();
     for (interface, [widest, _]) in most.iter().enumerate() {
         if *widest > 0.0 && is_closed(interface) {
             let name = &case.interfaces[interface].name;
-            tracing::info!(
-                "gap        interface {name}: gaps of up to {widest:.3e} m, no more than the \
-                 facets of its curved sides cut off, are taken for closed"
-            );
+            words.push(format!(
+                "interface {name}: gaps of up to {widest:.3e} m, no more than the facets of its \
+                 curved sides cut off, are taken for closed"
+            ));
         }
     }
+    words.iter().for_each(|words| tracing::info!("gap        {words}"));
     for (rows, gap) in owned().zip(&mut gaps) {
         *gap = if is_closed(rows.interface) { 0.0 } else { *gap };
     }
-    gaps
+    (gaps, words)
 }
 
 /// How far arcs bow over the facets of both sides at each owned node of a secondary lip (m): an
