@@ -10,6 +10,7 @@ mod faults;
 mod files;
 mod input;
 mod matrix;
+mod meshes;
 mod numerics;
 mod screen;
 
