@@ -163,10 +163,19 @@ def plane(folder):
     file_of([faces, edges], groups).write(str(folder / "med_plane2.med"), 2)
 
 
+def cut(folder):
+    """An inner face to be cut along, and two bodies whose faces lie on each other without common nodes."""
+    points = BOXES + [(x, y, z + 3.0) for x, y, z in BOXES[:8]]
+    cells = [(HEX, [0, 3, 2, 1, 4, 7, 6, 5]), (HEX, [4, 7, 6, 5, 8, 11, 10, 9]), (HEX, [12, 15, 14, 13, 16, 19, 18, 17])]
+    faces = grid(2, points, [(QUAD, [4, 5, 6, 7]), (QUAD, [8, 9, 10, 11]), (QUAD, [12, 15, 14, 13])])
+    groups = {0: {"rock": [0, 1], "slab": [2]}, -1: {"joint": [0], "below": [1], "above": [2]}, 1: {"fixed": [0, 1]}}
+    file_of([grid(3, points, cells), faces], groups).write(str(folder / "med_cut.med"), 2)
+
+
 def main():
     folder = pathlib.Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
-    for write in (hexes, tets, mixed, plane):
+    for write in (hexes, tets, mixed, plane, cut):
         write(folder)
 
 

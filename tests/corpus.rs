@@ -8,6 +8,8 @@ mod targets;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use targets::mesh::NoMeter;
+
 /// An input takes no longer.
 const LONGEST: Duration = Duration::from_secs(5);
 
@@ -46,6 +48,22 @@ fn formulas() {
 #[test]
 fn overrides() {
     replay("tests/fuzz/corpus/set", 5, targets::set);
+}
+
+#[test]
+fn meshes_of_gmsh() {
+    replay("tests/fuzz/corpus/gmsh", 20, |bytes| targets::mesh::gmsh(bytes, &NoMeter));
+    replay("tests/meshes", 20, |bytes| targets::mesh::gmsh(bytes, &NoMeter));
+}
+
+#[test]
+fn meshes_of_med() {
+    let bench = targets::mesh::med::Bench::new();
+    replay("tests/fuzz/corpus/med", 20, |recipe| {
+        bench.read(recipe, &NoMeter);
+    });
+    assert!(bench.read(b"", &NoMeter), "an unchanged file is read");
+    bench.close();
 }
 
 /// The recipe that changes nothing is gone on from; no other one may end in anything but words.

@@ -6,6 +6,7 @@
 //! `tests/corpus.rs` replays every input that is kept.
 
 pub mod checkpoint;
+pub mod mesh;
 
 use std::path::Path;
 

@@ -52,7 +52,7 @@ pub fn open(path: &Path) -> Result<Folder> {
         }
         unread(&format!("it is not a whole HDF5 file ({cause})"))
     })?;
-    let group = file.group("/").map_err(|cause| unread(&cause))?;
+    let group = file.group("/").map_err(|cause| unread(&format!("/: {cause}")))?;
     let top = Folder { group, path: String::new(), bytes: metadata.len() };
     stays_inside(&top).map_err(|cause| unread(&cause))?;
     Ok(top)
