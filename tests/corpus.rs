@@ -8,6 +8,7 @@ mod targets;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use proptest::prelude::*;
 use targets::mesh::NoMeter;
 
 /// An input takes no longer.
@@ -64,6 +65,57 @@ fn meshes_of_med() {
     });
     assert!(bench.read(b"", &NoMeter), "an unchanged file is read");
     bench.close();
+}
+
+fn word(words: &'static [&'static str]) -> impl Strategy<Value = &'static str> {
+    prop::sample::select(words)
+}
+
+/// Whole numbers as they are wrong by a little or by much.
+fn number() -> impl Strategy<Value = i64> {
+    prop_oneof![-3..40_i64, any::<i64>(), Just(i64::MIN), Just(i64::MAX), Just(1 << 32)]
+}
+
+/// A line of a recipe for a MED file.
+fn change() -> impl Strategy<Value = String> {
+    let kinds =
+        word(&["i8", "i16", "i32", "i64", "u32", "u64", "f32", "f64", "names", "text", "pairs"]);
+    let layouts = word(&["plain", "chunked", "packed", "summed", "reduced", "compact", "square"]);
+    let length = prop_oneof![0..100_u64, Just(1 << 40), Just(1 << 61), any::<u64>()];
+    let reals = word(&["nan", "inf", "-inf", "1e308", "-1e308", "1e-320", "0", "1.5"]);
+    let of_attributes = word(&["i64", "i32", "u64", "f64", "list", "text", "words", "none"]);
+    let names = word(&["HE8", "QU4", "TE4", "PO1", "NOD", "NUM", "FAM", "GRO", "NOM", "x"]);
+    let attributes = word(&["0", "1", "2", "3", "NBR", "NUM", "ESP", "PFL"]);
+    let one = || 0..60_u32;
+    prop_oneof![
+        3 => (one(), 0..400_u32, number()).prop_map(|(d, e, v)| format!("set {d} {e} {v}")),
+        1 => (one(), 0..100_u32, reals).prop_map(|(d, e, v)| format!("set {d} {e} {v}")),
+        2 => (one(), kinds, layouts, length)
+            .prop_map(|(d, kind, layout, n)| format!("as {d} {kind} {layout} {n}")),
+        3 => (one(), attributes, of_attributes, number())
+            .prop_map(|(o, name, kind, v)| format!("attribute {o} {name} {kind} {v}")),
+        1 => one().prop_map(|o| format!("drop {o}")),
+        1 => (one(), names).prop_map(|(o, name)| format!("rename {o} {name}")),
+        1 => (word(&["hard", "soft", "external"]), one(), one())
+            .prop_map(|(kind, o, to)| format!("link {kind} {o} {to}")),
+        1 => (0..30_000_u32, any::<u8>()).prop_map(|(at, byte)| format!("byte {at} {byte}")),
+        1 => (0..4_000_u32, number()).prop_map(|(at, value)| format!("word {at} {value}")),
+    ]
+}
+
+/// Changes by chance, beside those that fuzzing found. `PROPTEST_CASES` makes them more.
+#[test]
+fn changed_files_of_med_are_read_or_refused_in_words() {
+    let bench = targets::mesh::med::Bench::new();
+    let config = ProptestConfig { failure_persistence: None, ..ProptestConfig::default() };
+    let recipes = (0..11_u32, prop::collection::vec(change(), 1..5));
+    let outcome = proptest::test_runner::TestRunner::new(config).run(&recipes, |(file, lines)| {
+        let recipe = format!("file {file}\n{}", lines.join("\n"));
+        let _ = bench.read(recipe.as_bytes(), &NoMeter);
+        Ok(())
+    });
+    bench.close();
+    outcome.unwrap_or_else(|found| panic!("{found}"));
 }
 
 /// The recipe that changes nothing is gone on from; no other one may end in anything but words.

@@ -14,6 +14,7 @@ fn kind(name: &str) -> String {
     match last {
         "normal_jump" | "sliding" | "displacement" => "length".into(),
         "normal_traction" | "shear_traction" => "traction".into(),
+        "reaction" | "force" => "force".into(),
         other => other.into(),
     }
 }

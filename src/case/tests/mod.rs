@@ -73,7 +73,9 @@ fn the_columns_are_those_of_the_contract() {
         let first = ["time", "load_factor", "newton_iterations", "linear_iterations"];
         let own = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
         let last = ["energy.elastic", "energy.dissipated", "energy.external"];
-        [own(&first), interface(tangents), own(rest), own(&last)].concat()
+        let forces = tangents.iter().chain(&["z"]).map(|axis| format!("joint.force_{axis}"));
+        let totals = forces.chain(["joint.area".to_owned()]).collect();
+        [own(&first), interface(tangents), totals, own(rest), own(&last)].concat()
     };
     let again = "boundary.2={on: top, displacement: {x: 0}}";
     let rest = [

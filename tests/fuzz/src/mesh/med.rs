@@ -197,10 +197,15 @@ fn change(file: &File, names: &Names, line: &[&str]) -> hdf5::Result<()> {
     }
 }
 
+/// What is stored in a list that no recipe has made too long.
+fn stored<T: H5Type>(dataset: &Dataset) -> hdf5::Result<Vec<T>> {
+    if dataset.size() > MOST_ENTRIES { Err("it is long".into()) } else { dataset.read_raw() }
+}
+
 /// Changes an entry of a list, or a byte of a name.
 fn set(dataset: &Dataset, entry: usize, value: &str) -> hdf5::Result<()> {
     fn of<T: H5Type + Copy>(dataset: &Dataset, entry: usize, value: T) -> hdf5::Result<()> {
-        let mut list = dataset.read_raw::<T>()?;
+        let mut list = stored::<T>(dataset)?;
         let length = list.len().max(1);
         *list.get_mut(entry % length).ok_or("it is empty")? = value;
         dataset.write_raw(&list)
@@ -210,7 +215,7 @@ fn set(dataset: &Dataset, entry: usize, value: &str) -> hdf5::Result<()> {
         TypeDescriptor::Integer(_) => of::<i64>(dataset, entry, parsed(value)?),
         TypeDescriptor::Float(_) => of::<f64>(dataset, entry, parsed(value)?),
         TypeDescriptor::FixedArray(..) => {
-            let mut names = dataset.read_raw::<[i8; 80]>()?;
+            let mut names = stored::<[i8; 80]>(dataset)?;
             let length = names.len().max(1);
             let name = names.get_mut(entry / 80 % length).ok_or("it is empty")?;
             name[entry % 80] = parsed(value)?;
@@ -254,7 +259,7 @@ fn rewrite<T: H5Type + Clone>(
     layout: &str,
     length: usize,
 ) -> hdf5::Result<()> {
-    let values = old.read_raw::<T>().unwrap_or_default();
+    let values = stored::<T>(old).unwrap_or_default();
     file.unlink(path)?;
     // Nothing is stored of a list that nothing is written to.
     let is_written = length <= MOST_ENTRIES && !values.is_empty();
