@@ -7,6 +7,7 @@
 use std::cell::Cell;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use column_hpc::error::Error;
 use column_hpc::mesh::import::med as format;
@@ -50,7 +51,9 @@ struct Names {
 impl Bench {
     /// Looks at the real files.
     pub fn new() -> Self {
-        let name = format!("column-hpc-mesh-{}", std::process::id());
+        static BENCHES: AtomicU64 = AtomicU64::new(0);
+        let number = BENCHES.fetch_add(1, Ordering::Relaxed);
+        let name = format!("column-hpc-mesh-{}-{number}", std::process::id());
         let directory = std::env::temp_dir().join(name);
         fs::create_dir_all(&directory).expect("a temporary directory");
         let mut bench = Self { directory, number: Cell::new(0), files: Vec::new() };
