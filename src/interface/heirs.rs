@@ -59,8 +59,9 @@ impl Heir {
 #[derive(Debug, Clone, Copy)]
 pub struct LostFacet {
     /// The side, by its place.
-    side: usize,
-    facet: Facet,
+    pub side: usize,
+    /// The facet of this rank's cells.
+    pub facet: Facet,
 }
 
 /// A node without a multiplier on the lip of an interface.
@@ -183,6 +184,12 @@ impl Heirs {
         Some(names.iter().map(|name| heir(name).unwrap_or(first)).collect())
     }
 
+    /// The facets no node of which has an heir. Local.
+    pub fn without(&self, mesh: &LocalMesh, sides: &[Sides], lost: &[LostFacet]) -> Vec<Facet> {
+        let lost = lost.iter().filter(|lost| self.of_facet(mesh, sides, **lost).is_none());
+        lost.map(|lost| lost.facet).collect()
+    }
+
     /// Refuses facets no node of which has an heir. Local.
     ///
     /// # Errors
@@ -263,7 +270,7 @@ fn without_heirs(mesh: &LocalMesh, sides: &[Sides], lost: LostFacet) -> AtNode {
             "interface {interface}: no node of its facet at ({x:.6}, {y:.6}, {z:.6}) m can carry a \
              traction, and none of the facets beside it: interfaces meet or end at them, or \
              displacements are prescribed there that are neither along nor across the interface; \
-             have at least two facets there, or take mesh.raise_order: 2"
+             prescribe none on the interface itself, and have more facets there"
         )),
     )
 }

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use super::import::{gmsh, med};
+use super::import::{FileMesh, gmsh, med};
 use super::lattice::Column;
-use super::whole::{InterfacePlace, InterfaceRequest, Keep, MaterialGroups, Request, WholeMesh};
+use super::whole::{InterfacePlace, InterfaceRequest, Keep, MaterialGroups, Request};
+use super::whole::{WholeFacet, WholeMesh};
 use super::{DualGraph, LocalMesh, Marks, MeshFacts, whole};
 use crate::case::{Case, FileSpec, InterfaceSpec, Linear, Location, Material};
 use crate::error::{Error, Result};
@@ -35,8 +36,17 @@ impl MeshFamily {
     /// `Input` when a material's height range leaves a layer without a material; when a file cannot
     /// be read, or does not hold what the case asks for.
     pub fn new(case: &Case) -> Result<Self> {
+        Self::divided(case, case.mesh.refine, &[])
+    }
+
+    /// As [`MeshFamily::new`], with the mesh of a file refined so often, after some `facets` of
+    /// interfaces, of the mesh without refinement, have been divided.
+    ///
+    /// # Errors
+    /// As [`MeshFamily::new`].
+    pub fn divided(case: &Case, refine: u32, facets: &[WholeFacet]) -> Result<Self> {
         if let Some(file) = case.mesh.file() {
-            let mut meshes = read(case, file)?;
+            let mut meshes = read(case, file, refine, facets)?;
             let coarser: Vec<u64> = meshes.iter().map(|mesh| mesh.cells() as u64).collect();
             let Some(mesh) = meshes.last_mut() else {
                 return Err(Error::Bug("no mesh in the file".into()));
@@ -167,6 +177,15 @@ impl MeshFamily {
         Ok(part)
     }
 
+    /// Whether some node of an interface in the mesh of a file is doubtful. Local.
+    ///
+    /// # Errors
+    /// `Bug` for the mesh of a file on another rank than the one that read it.
+    pub fn touches_interfaces(&self, is_doubtful: &dyn Fn(&Marks) -> bool) -> Result<bool> {
+        let meshes = self.meshes_of_file()?;
+        Ok(meshes[meshes.len() - 1].touches_interfaces(is_doubtful))
+    }
+
     /// At least one.
     fn meshes_of_file(&self) -> Result<&[WholeMesh]> {
         match &self.source {
@@ -178,22 +197,14 @@ impl MeshFamily {
 
 /// Reads the mesh of a file and makes of it what the case asks for, after the coarser ones where
 /// multigrid is to use them.
-fn read(case: &Case, file: &FileSpec) -> Result<Vec<WholeMesh>> {
+fn read(
+    case: &Case,
+    file: &FileSpec,
+    refine: u32,
+    divided: &[WholeFacet],
+) -> Result<Vec<WholeMesh>> {
     let path = file.path.display().to_string();
-    let content = if is_med(&file.path) {
-        med::read(&file.path)?
-    } else {
-        let bytes = std::fs::read(&file.path).map_err(|error| {
-            Error::Input(format!(
-                "mesh.file: {path} cannot be read: {error}; the path counts from the folder of the \
-                 case file"
-            ))
-        })?;
-        gmsh::read(&bytes).map_err(|error| match error {
-            Error::Input(text) => Error::Input(format!("{path}: {text}")),
-            other => other,
-        })?
-    };
+    let content = content(file, &path)?;
     let interface = |spec: &InterfaceSpec| {
         let place = match &spec.location {
             Location::Group { name, flip } => {
@@ -214,10 +225,11 @@ fn read(case: &Case, file: &FileSpec) -> Result<Vec<WholeMesh>> {
     let request = Request {
         scale: file.scale,
         raise_order: file.raise_order.then_some(2),
-        refine: case.mesh.refine,
+        refine,
         materials: case.materials.iter().map(material).collect(),
         surfaces: case.surfaces().iter().map(|surface| surface.name().to_owned()).collect(),
         interfaces: case.interfaces.iter().map(interface).collect::<Result<_>>()?,
+        divided: divided.to_vec(),
     };
     let keep = if case.solver.linear == Linear::Multigrid { Keep::All } else { Keep::Finest };
     let mut meshes = whole::nested(&content, &request, &path, keep)?;
@@ -236,6 +248,23 @@ fn read(case: &Case, file: &FileSpec) -> Result<Vec<WholeMesh>> {
         )));
     }
     Ok(meshes)
+}
+
+/// What the file holds.
+fn content(file: &FileSpec, path: &str) -> Result<FileMesh> {
+    if is_med(&file.path) {
+        return med::read(&file.path);
+    }
+    let bytes = std::fs::read(&file.path).map_err(|error| {
+        Error::Input(format!(
+            "mesh.file: {path} cannot be read: {error}; the path counts from the folder of the \
+             case file"
+        ))
+    })?;
+    gmsh::read(&bytes).map_err(|error| match error {
+        Error::Input(text) => Error::Input(format!("{path}: {text}")),
+        other => other,
+    })
 }
 
 /// Whether a file is one of MED: HDF5, by its ending.

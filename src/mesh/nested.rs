@@ -69,6 +69,7 @@ mod tests {
             materials: vec![MaterialGroups { name: "rock".into(), groups: vec![] }],
             surfaces: vec![],
             interfaces: vec![InterfaceRequest { name: "joint".into(), place }],
+            divided: vec![],
         };
         nested(&file, &request, name, Keep::All).expect("a mesh")
     }

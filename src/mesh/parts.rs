@@ -130,6 +130,13 @@ impl WholeMesh {
         cells.into_iter().enumerate().map(of_rank).collect()
     }
 
+    /// Whether some node of an interface is doubtful.
+    pub fn touches_interfaces(&self, is_doubtful: &dyn Fn(&Marks) -> bool) -> bool {
+        let marks = self.marks();
+        let facets = self.interfaces.iter().flat_map(|interface| interface.lips.iter().flatten());
+        facets.flat_map(|f| self.facet_nodes(*f)).any(|node| is_doubtful(&marks[node as usize]))
+    }
+
     /// Cells with their nodes; `local` is scratch.
     fn cells_of(
         &self,

@@ -36,15 +36,19 @@ impl Method {
     }
 }
 
-/// The meshes of a case, on all ranks: rank 0 reads a file. Collective.
+/// The meshes of a case, on all ranks: rank 0 reads a file, as `read` does. Collective.
 ///
 /// # Errors
 /// As [`MeshFamily::new`].
-pub fn family(comm: &Comm, case: &Case) -> Result<MeshFamily> {
+pub fn family(
+    comm: &Comm,
+    case: &Case,
+    read: impl Fn(&Case) -> Result<MeshFamily>,
+) -> Result<MeshFamily> {
     if case.mesh.file().is_none() {
         return comm.agree(MeshFamily::new(case));
     }
-    let local = if comm.is_root() { MeshFamily::new(case).map(Some) } else { Ok(None) };
+    let local = if comm.is_root() { read(case).map(Some) } else { Ok(None) };
     let read = comm.agree(local)?;
     let facts = read.as_ref().map(|family| pack(&family.facts())).transpose();
     let facts = unpack(&comm.broadcast_bytes(comm.agree(facts)?.unwrap_or_default()));

@@ -59,7 +59,7 @@ pub fn carry_out(
     let _lock = output.map(|output| Lock::take(comm, output.directory)).transpose()?;
     let family = {
         let _phase = timers.enter(Phase::Mesh);
-        partition::family(comm, case)?
+        partition::family(comm, case, solve::family)?
     };
     // The mesh of a file tells its dimension.
     let case = &comm.agree(case.clone().for_dimension(family.facts().dim))?;

@@ -11,7 +11,7 @@ use crate::interface::{Sides, unresolved_zones};
 use crate::mesh::{LocalMesh, MeshFamily};
 use crate::reduce::{NONE_OF_USE, Situation, candidates_in, refusal};
 use crate::solve::model::memory::{memory, pressures};
-use crate::solve::{LinearChoice, check_fit, strength_factors};
+use crate::solve::{self, LinearChoice, check_fit, strength_factors};
 use crate::space::{AtNode, Prescribed, PrescribedPressure, check_directions};
 
 /// Largest column that the check walks through node by node.
@@ -35,7 +35,7 @@ pub fn check(path: &Path, overrides: &[String]) -> Result<String> {
 /// # Errors
 /// `Input` when a formula gives no number somewhere, or values disagree.
 pub fn describe(case: &Case) -> Result<String> {
-    let family = MeshFamily::new(case)?;
+    let family = solve::family(case)?;
     let facts = family.facts();
     let case = &case.clone().for_dimension(facts.dim)?;
     let unknowns = facts.nodes * case.dim as u64 + pressures(case, &facts);

@@ -59,6 +59,11 @@ impl Prescribed {
         of
     }
 
+    /// Whether anything is prescribed at a node, along an axis or the normal of a surface.
+    pub fn acts_on(&self, node: &Marks) -> bool {
+        self.entries.iter().any(|entry| node.is_on(entry.on))
+    }
+
     /// Which components of a node are prescribed.
     pub fn components_of(&self, node: &Marks) -> [bool; 3] {
         self.entries_of(node).map(|e| e.is_some())

@@ -169,19 +169,48 @@ probes: [{{name: p, at: {point:?}}}]",
     }
 }
 
+/// Strips of single facets between rollers and between each other: none of their nodes has a
+/// multiplier, nor have those beside.
 #[test]
-fn facets_that_nothing_would_hold_are_refused() {
-    let names = ["a", "b", "c"];
-    let interfaces = names.map(|name| format!("{{name: {name}, on: {name}, law: {TIED}}}"));
+fn facets_that_nothing_would_hold_get_nodes_inside() {
+    let stress = 3e5;
+    let strain = |axis: usize| stress * if axis == 2 { 1.0 } else { -0.3 } / 5.8e9;
+    let interfaces = |law: &str| {
+        ["a", "b", "c"].map(|name| format!("{{name: {name}, on: {name}, law: {law}}}")).join(", ")
+    };
+    let held = ["x", "y", "z"].iter().enumerate();
+    let held = held.map(|(i, axis)| format!("{axis}: {{formula: \"t*({:e})*{axis}\"}}", strain(i)));
+    let held = held.collect::<Vec<_>>().join(", ");
+    for (law, ranks) in [(TIED, 1), (COHESIVE, 2), (TIED, 3)] {
+        let rest = format!(
+            "interfaces: [{}]
+boundary:
+  - {{on: z0, displacement: {{{held}}}}}
+  - {{on: z1, traction: {{z: {{formula: \"t*{stress:e}\"}}}}}}
+probes: [{{name: p, at: [0.31, 0.37, 0.23]}}]",
+            interfaces(law)
+        );
+        let run = scene("strips", &rest).scattered().on(ranks);
+        for (i, (axis, x)) in ["x", "y", "z"].iter().zip([0.31, 0.37, 0.23]).enumerate() {
+            let found = run.column(&format!("p.displacement_{axis}"))[1];
+            assert!((found - 2.0 * strain(i) * x).abs() < 1e-14, "{}: {found}", run.label);
+        }
+    }
+}
+
+/// Displacements are prescribed on the interface itself, neither along nor across it.
+#[test]
+fn supports_on_an_interface_that_leans_are_refused() {
     let rest = format!(
-        "interfaces: [{}]
-boundary: [{{on: z0, displacement: {{x: 0, y: 0, z: 0}}}}]",
-        interfaces.join(", ")
+        "interfaces: [{{name: joint, on: joint, law: {TIED}}}]
+boundary:
+  - {{on: z0, displacement: {{x: 0, y: 0, z: 0}}}}
+  - {{on: joint, displacement: {{x: 0}}}}"
     );
-    let scene = scene("strips", &rest);
+    let scene = scene("leaning", &rest);
     let failure = scene.attempt(2).err().expect("a refusal");
     assert_eq!(failure.status, Some(2), "{}", failure.complaint);
-    assert!(failure.complaint.contains("can carry a traction"), "{}", failure.complaint);
+    assert!(failure.complaint.contains("prescribe none on the interface"), "{}", failure.complaint);
     // The check of the case says it too.
     let case = &scene.words(&fresh())[0];
     let checked = Command::new(PROGRAM).args(["check", case]).output().expect("the program");

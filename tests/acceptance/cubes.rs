@@ -116,9 +116,15 @@ impl Blocks {
         self.sides.extend(sides);
     }
 
-    /// A group of the facets all of whose points are where `is_there` says, of the last block.
+    /// A group of the facets all of whose points are where `is_there` says, of the last block; more
+    /// of them where there is one of this name.
     pub fn group(mut self, name: &str, is_there: impl Fn([f64; 3]) -> bool) -> Self {
-        self.groups.push((self.groups[0].0 - 1, name.into()));
+        let group = (self.groups[0].0 - 1, name.to_owned());
+        let known = self.groups.iter().position(|other| *other == group);
+        let number = known.unwrap_or(self.groups.len());
+        if known.is_none() {
+            self.groups.push(group);
+        }
         let mut seen: Vec<Vec<usize>> = Vec::new();
         for side in &self.sides {
             let mut sorted = side.clone();
@@ -127,10 +133,25 @@ impl Blocks {
             let fits = side.iter().all(|n| is_there(self.points[*n]));
             if fits && is_of_block && !seen.contains(&sorted) {
                 let kind = [0, 0, 1, 2, 3][side.len()];
-                self.elements.push((kind, side.clone(), self.groups.len() - 1));
+                self.elements.push((kind, side.clone(), number));
                 seen.push(sorted);
             }
         }
+        self
+    }
+
+    /// A group of the point at a place.
+    pub fn point(mut self, name: &str, at: [f64; 3]) -> Self {
+        self.groups.push((0, name.into()));
+        let is_there = |x: &[f64; 3]| (0..3).all(|i| (x[i] - at[i]).abs() < 1e-9);
+        let point = self.points.iter().position(is_there).expect("a point there");
+        self.elements.push((15, vec![point], self.groups.len() - 1));
+        self
+    }
+
+    /// The same mesh with its points elsewhere.
+    pub fn mapped(mut self, place: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
+        self.points.iter_mut().for_each(|point| *point = place(*point));
         self
     }
 

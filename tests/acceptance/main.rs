@@ -46,6 +46,7 @@ mod restart_cases;
 mod restart_mesh;
 mod scene;
 mod shipped;
+mod short_joints;
 mod signals;
 mod stability;
 mod steps;

@@ -11,7 +11,7 @@ use super::refine::Refiner;
 use super::request::Request;
 use super::types::WholeMesh;
 use super::words::{count, wrong};
-use super::{doubled, jacobian, lips, materials, raise, refine, surfaces, touching};
+use super::{divide, doubled, jacobian, lips, materials, raise, refine, surfaces, touching};
 use crate::element::Shape;
 use crate::error::{Error, Result};
 use crate::mesh::import::FileMesh;
@@ -62,6 +62,8 @@ pub fn nested(
 
 fn made(file: &FileMesh, request: &Request, keep: Keep) -> Result<Vec<WholeMesh>> {
     let mut remarks = file.remarks.clone();
+    let divided = divided(file, request, &mut remarks)?;
+    let file = divided.as_ref().unwrap_or(file);
     let mut cells = collect(file, request.scale, &mut remarks)?;
     raise::raise(&mut cells, request.raise_order, &mut remarks)?;
     refine::check(&cells, request.refine)?;
@@ -100,6 +102,29 @@ fn made(file: &FileMesh, request: &Request, keep: Keep) -> Result<Vec<WholeMesh>
     }
     meshes[0].parents.clear();
     Ok(meshes)
+}
+
+/// The mesh of the file with facets divided where a case asks for that.
+fn divided(
+    file: &FileMesh,
+    request: &Request,
+    remarks: &mut Vec<String>,
+) -> Result<Option<FileMesh>> {
+    if request.divided.is_empty() {
+        return Ok(None);
+    }
+    let mut cells = collect(file, request.scale, &mut Vec::new())?;
+    raise::raise(&mut cells, None, &mut Vec::new())?;
+    let is_raised = request.raise_order == Some(2);
+    let (file, number) = divide::divide(file, &cells, &request.divided, is_raised);
+    if number > 0 {
+        remarks.push(format!(
+            "{} of interfaces without a node that could carry a traction got nodes inside, and the \
+             cells beside them one in the middle",
+            count(number, "facet")
+        ));
+    }
+    Ok(Some(file))
 }
 
 /// What a case asks for, found in the cells of a mesh that is not cut yet.

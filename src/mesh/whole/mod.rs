@@ -22,6 +22,7 @@ mod orient;
 mod plan;
 mod doubled;
 mod cut;
+mod divide;
 mod normals;
 mod lips;
 mod surfaces;

@@ -1,5 +1,7 @@
 //! What a case asks of a mesh from a file.
 
+use super::facet::WholeFacet;
+
 /// What is to be made of a mesh from a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
@@ -16,6 +18,9 @@ pub struct Request {
     pub surfaces: Vec<String>,
     /// The interfaces.
     pub interfaces: Vec<InterfaceRequest>,
+    /// Facets to be divided before anything else, of the mesh as it is made without that and
+    /// without refinement; those that cannot be stay.
+    pub divided: Vec<WholeFacet>,
 }
 
 /// A material and its cells.

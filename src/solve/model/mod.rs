@@ -1,6 +1,7 @@
 //! What is solved: the discrete problem, the state of its interfaces, and the choice of solvers.
 
 mod boundary_value_problem;
+mod division;
 mod fit;
 mod gaps;
 pub(crate) mod held_bodies;
@@ -14,6 +15,7 @@ mod special_by_name;
 
 pub use boundary_value_problem::BoundaryValueProblem;
 pub(in crate::solve) use boundary_value_problem::discretize;
+pub use division::family;
 pub use fit::check_whole as check_fit;
 pub(in crate::solve) use fit::has_lost_facets;
 pub use gaps::NodeData;

@@ -187,6 +187,7 @@ pub fn request() -> Request {
         materials: vec![MaterialGroups { name: "rock".into(), groups: vec![] }],
         surfaces: vec![],
         interfaces: vec![],
+        divided: vec![],
     }
 }
 

@@ -3,6 +3,7 @@
 mod blocks;
 mod checks;
 mod cutting;
+mod dividing;
 mod files;
 mod graph;
 mod looks;
