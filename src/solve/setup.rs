@@ -65,7 +65,8 @@ pub fn build<'a>(
     let (interfaces, of_gaps) = interfaces(comm, case, &mesh, &sides, &all)?;
     remarks.extend(of_gaps);
     let tolerance = case.solver.tolerance * share_of_corners(&mesh.facts);
-    let convergence = convergence(case, tolerance);
+    let mut convergence = convergence(case, tolerance);
+    convergence.see_gaps(comm, &all, &interfaces);
 
     fault::strike(comm, "setup")?;
     let levels = levels(comm, case, &choice, &sides, coarser, &mesh, &all)?;

@@ -1,7 +1,7 @@
 //! When a state is a solution, and why it is not.
 
 use super::cycles::{Cycle, Cycles};
-use super::measure::{Measure, Scales, Worst, is_rounding};
+use super::measure::{Measure, Scales, Worst, is_rounding, rounding};
 use crate::assembly::Discretization;
 use crate::comm::Comm;
 use crate::error::{Error, Result};
@@ -36,6 +36,8 @@ pub struct Convergence {
     accepted: [f64; 2],
     /// Those of the last evaluated state.
     current: Scales,
+    /// Largest force that cancels in the laws where gaps are open at the start (N).
+    of_gaps: f64,
     /// The branches in the states of the running solve.
     cycles: Cycles,
     /// For each state of the running solve and each interface, whether a node of this rank holds.
@@ -58,6 +60,7 @@ impl Convergence {
             other: "",
             accepted: [0.0; 2],
             current: Scales::default(),
+            of_gaps: 0.0,
             cycles: Cycles::new(),
             holds: Vec::new(),
             softening: None,
@@ -66,9 +69,22 @@ impl Convergence {
         }
     }
 
+    /// Takes note of the gaps at the start: their augmented tractions cancel where nothing touches,
+    /// but for rounding, also while nothing moves. Collective.
+    pub fn see_gaps(&mut self, comm: &Comm, all: &Discretization, interfaces: &InterfaceState) {
+        let mut largest = [0.0_f64];
+        for (index, gap) in interfaces.gaps.iter().enumerate() {
+            let rows = &all.secondary[index];
+            let augmentation = interfaces.law_at(index, rows).augmentation();
+            largest[0] = largest[0].max(rows.law_weight(all.dim) * augmentation * gap.abs());
+        }
+        comm.max(&mut largest);
+        self.of_gaps = largest[0];
+    }
+
     /// Takes note of the scales of a state, those of this rank's nodes. Collective.
     pub fn see_scales(&mut self, comm: &Comm, own: Scales) {
-        let mut all = [own.force, own.displacement, own.cancelling];
+        let mut all = [own.force, own.displacement, own.cancelling.max(self.of_gaps)];
         comm.max(&mut all);
         let [force, displacement, cancelling] = all;
         self.current = Scales { force, displacement, cancelling };
@@ -165,11 +181,12 @@ impl Convergence {
         let force_scale = scales.force.max(self.accepted[0]);
         let displacement_scale = scales.displacement.max(self.accepted[1]);
         let mut defect = vec![Worst::default(); interfaces.laws.len()];
-        for (rows, response) in all.secondary.iter().zip(&interfaces.response) {
+        for (index, response) in interfaces.response.iter().enumerate() {
+            let rows = &all.secondary[index];
             let law = interfaces.laws[rows.interface].spec.law();
             let scale = law.typical_jump().unwrap_or(displacement_scale);
             let square: f64 = response.defect.iter().map(|d| d * d).sum();
-            let relative = if square == 0.0 {
+            let relative = if square.sqrt() <= rounding(interfaces.gaps[index].abs()) {
                 0.0
             } else if scale == 0.0 && square.is_finite() {
                 f64::MAX // nothing has moved yet, but something should
