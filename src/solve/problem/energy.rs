@@ -29,6 +29,34 @@ pub(in crate::solve) fn potential(problem: &Problem<'_>) -> f64 {
     sum[0]
 }
 
+/// As [`potential`], with all damage as it was in the accepted state, whatever the laws answer: what
+/// the state has to give before anything gives way. None where lips have come into each other.
+/// Collective.
+pub(super) fn potential_as_accepted(problem: &Problem<'_>) -> Option<f64> {
+    let (all, dim, state) = (&problem.all, problem.all.dim, &problem.interfaces);
+    let load = problem.applied();
+    let forces = problem.bulk_force.iter().zip(&load).zip(&problem.displacement);
+    let mut sum: f64 = forces
+        .take(all.nodes.owned * dim)
+        .map(|((force, load), u)| 0.5 * u * (force + load) - u * load)
+        .sum();
+    let (mut is_pressed_in, moved) = (false, problem.convergence.current().displacement);
+    for (index, response) in state.response.iter().enumerate() {
+        let rows = &all.secondary[index];
+        let jump = crate::solve::model::interfaces::to_local(response.jump, dim);
+        is_pressed_in |= jump[0] < -PRESSED_IN * moved;
+        let law = state.law_at(index, rows);
+        let stored = law.recoverable(jump, state.committed[index]);
+        sum += rows.law_weight(dim) * (stored + state.dissipated[index]);
+    }
+    let mut sums = [sum];
+    problem.comm.sum(&mut sums);
+    (!problem.comm.any(is_pressed_in)).then_some(sums[0])
+}
+
+/// Part of the displacements by which lips come into each other for rounding.
+const PRESSED_IN: f64 = 1e-6;
+
 /// What this rank's part of a state stores and has dissipated (J), with all that acts on the bulk
 /// summed at its nodes.
 fn held(problem: &Problem<'_>, load: &[f64]) -> [f64; 2] {

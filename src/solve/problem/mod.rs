@@ -120,6 +120,9 @@ pub struct Problem<'a> {
     stall: (f64, usize),
     /// What gives way first in the running step.
     pub(super) onset: Onset,
+    /// The most potential energy (J) that a state of the running step can have: that of the answer
+    /// to its loads before anything gives way; none where it is not known.
+    pub(super) most_energy: Option<f64>,
     /// 2-norm of the out-of-balance forces at the state that was judged last (N).
     pub residual_norm: f64,
     /// Asks in the middle of a step whether to stop.
@@ -203,6 +206,7 @@ impl<'a> Problem<'a> {
             is_skew: false,
             stall: (0.0, 0),
             onset: Onset::default(),
+            most_energy: None,
             residual_norm: 0.0,
             pulse: Pulse::default(),
             all,

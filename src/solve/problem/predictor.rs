@@ -13,6 +13,7 @@
 //! way.
 
 use super::Problem;
+use super::energy::potential_as_accepted;
 use super::measure::Worst;
 use crate::assembly::Discretization;
 use crate::comm::Comm;
@@ -147,6 +148,9 @@ impl Problem<'_> {
             }
             Prediction::Made => {
                 self.prediction = Prediction::Past;
+                if self.turns == 0 {
+                    self.most_energy = potential_as_accepted(self);
+                }
                 // A volume of fluid between lips opens them as little as it is: the first
                 // correction, from lips that hold, is no measure of the loads.
                 if self.interfaces.is_gradual {
@@ -222,6 +226,7 @@ impl Problem<'_> {
         self.prediction = Prediction::Due;
         self.onset = Onset::default();
         self.turns = 0;
+        self.most_energy = None;
         self.interfaces.base.clone_from(&self.interfaces.accepted);
     }
 

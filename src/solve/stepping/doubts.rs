@@ -4,6 +4,7 @@ use super::Stepper;
 use super::step_size::StepSize;
 use crate::error::Result;
 use crate::solve::model::interfaces::to_local;
+use crate::solve::problem::energy::potential;
 
 /// Jumps above this part of the jump scale of the law are no rounding.
 const OPEN: f64 = 1e-6;
@@ -12,6 +13,9 @@ const OPEN: f64 = 1e-6;
 /// law of two modes presses them by the order of the step.)
 const PRESSED: f64 = 1e-2;
 const PRESSED_LIPS: &str = "is open and pressed at the same time";
+
+/// A state that has more energy than it can have by this part of it was not reached.
+const EXCESS: f64 = 1e-3;
 
 /// What speaks against a converged state.
 pub(super) struct Doubt {
@@ -42,6 +46,9 @@ impl Stepper<'_> {
             return Some(Doubt { words, is_final: true, is_of_lips: false });
         }
         let (problem, from) = (&self.problem, self.time);
+        if let Some(words) = self.excess_of_energy(time) {
+            return Some(Doubt { words, is_final: false, is_of_lips: false });
+        }
         let is_missed = problem.path.is_none()
             && problem.onset.is_missed(problem.comm, &problem.all, &problem.interfaces);
         let words = if is_missed {
@@ -59,6 +66,26 @@ impl Stepper<'_> {
             )
         };
         Some(Doubt { words, is_final: false, is_of_lips: !is_missed })
+    }
+
+    /// That the converged state holds and has dissipated more energy than its loads can have given,
+    /// in words. The loads are at their end when the laws have not answered yet: from there on
+    /// energy only goes down on the way to a state that is reached. Collective.
+    fn excess_of_energy(&self, time: f64) -> Option<String> {
+        let problem = &self.problem;
+        let most = problem.most_energy.filter(|_| problem.path.is_none())?;
+        if self.coupling.is_some() {
+            return None;
+        }
+        let found = potential(problem);
+        (found - most > EXCESS * found.abs().max(most.abs())).then(|| {
+            format!(
+                "the step from {} to {time} is too long: the state at its end, with a potential \
+                 energy of {found:.4e} J, has used more than the loads can have given, which is \
+                 {most:.4e} J before anything gives way",
+                self.time
+            )
+        })
     }
 
     /// Goes on from a state in spite of a doubt, with a warning (one in a run for pressed lips), or
