@@ -103,14 +103,17 @@ pub fn build<'a>(
         linear: LinearTarget::new(tolerance),
         mesh: mesh.facts.clone(),
     });
-    let path =
-        |control: &Control| PathControl::new(control.clone(), control.words(&case.interfaces));
     problem.known_pressure = known_pressure;
-    problem.path = case.control.as_ref().map(path);
+    problem.path = case.control.as_ref().map(|control| path(case, control));
     let mut stepper = Stepper::new(case, problem, snes, saddle, coupling, x, supports);
     stepper.remarks = remarks;
     let pressures = stepper.coupling.as_ref().map_or(0, |c| c.flow.space.nodes.total);
     Ok(Model { stepper, mesh, sides, choice, unknowns: unknowns + pressures })
+}
+
+/// What follows a path.
+fn path(case: &Case, control: &Control) -> PathControl {
+    PathControl::new(control.clone(), control.words(&case.interfaces))
 }
 
 /// Starts from the initial pressures, with displacements of zero. Collective.

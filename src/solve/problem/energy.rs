@@ -29,8 +29,8 @@ pub(in crate::solve) fn potential(problem: &Problem<'_>) -> f64 {
     sum[0]
 }
 
-/// As [`potential`], with all damage as it was in the accepted state, whatever the laws answer: what
-/// the state has to give before anything gives way. None where lips have come into each other.
+/// As [`potential`], with all damage as in the accepted state, whatever the laws answer: what the
+/// state has to give before anything gives way. None where lips have come into each other.
 /// Collective.
 pub(super) fn potential_as_accepted(problem: &Problem<'_>) -> Option<f64> {
     let (all, dim, state) = (&problem.all, problem.all.dim, &problem.interfaces);
