@@ -39,7 +39,8 @@ pub fn family(case: &Case) -> Result<MeshFamily> {
     }
     // Where that makes no mesh, it is refused at the facet.
     let divided = MeshFamily::divided(case, refine, &found.facets).unwrap_or(family);
-    match Found::of(&of_dimension, &divided)?.loose {
+    let left = Found::of(&of_dimension, &divided)?;
+    match left.loose.filter(|_| !left.has_lost) {
         Some([x, y, z]) => Err(Error::Input(format!(
             "interfaces hold the body around ({x:.4}, {y:.4}, {z:.4}) m at too few nodes: it could \
              turn about them; have more facets on its interfaces, as with `mesh.refine: 1`"
@@ -53,6 +54,8 @@ pub fn family(case: &Case) -> Result<MeshFamily> {
 struct Found {
     /// Facets to divide, on the lips with multipliers.
     facets: Vec<WholeFacet>,
+    /// Whether nothing would hold at some facet, which is refused at its place.
+    has_lost: bool,
     /// The middle (m) of a body that could move even where contacts are closed.
     loose: Option<[f64; 3]>,
 }
@@ -94,7 +97,7 @@ impl Scene<'_> {
         let mut bodies: Vec<usize> = weak.iter().flat_map(|(_, bodies)| bodies.clone()).collect();
         bodies.sort_unstable();
         bodies.dedup();
-        let mut found = Found::default();
+        let mut found = Found { has_lost: !facets.is_empty(), ..Found::default() };
         for hold in self.holds(&bodies, &fixed) {
             if is_free(&hold.firm) {
                 let of_body = weak.iter().filter(|(_, bodies)| bodies.contains(&hold.body));
