@@ -35,3 +35,15 @@ fn an_inclusion_a_beam_and_a_dam() {
     check("circular_inclusion/contact.yaml", "aggregation", 3, 12);
     check("double_cantilever/opening.yaml", "aggregation", 2, 4);
 }
+
+#[test]
+fn beams_that_delaminate() {
+    check("notched_beam/end_notched_flexure.yaml", "mumps", 4, 14);
+    check("notched_beam/mixed_mode_bending.yaml", "mumps", 2, 11);
+}
+
+#[test]
+fn a_cylinder_and_a_ball_on_a_flat_block() {
+    check("hertz/cylinder.yaml", "gamg", 2, 5);
+    check("hertz/sphere.yaml", "gamg", 4, 5);
+}

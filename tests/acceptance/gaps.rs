@@ -251,3 +251,38 @@ time: {{instants: [0.5, 1, 1.5, 1.9, 2, 3]}}
         }
     }
 }
+
+/// Largest pressure and radius (half width) of the shipped cases of Hertz, from a fit of
+/// p² = p0² (1 - r²/a²) to the nodes above a fifth of the largest pressure.
+#[test]
+fn shipped_contacts_have_the_pressure_and_the_radius_of_hertz() {
+    for (case, up, exact, tolerances) in [
+        ("hertz/cylinder.yaml", 1, [769_153_853.8, 0.02], [4e-3, 5e-3]),
+        ("hertz/sphere.yaml", 2, [2_448_292_756.8, 0.05], [1e-2, 5e-3]),
+    ] {
+        let run = Scene::shipped(case).with_fields().on(1);
+        let fields = Directory::open(&run.directory).expect("results");
+        let fields = fields.series("contact").and_then(|series| series.at(1.0)).expect("fields");
+        let points = fields.points().expect("points");
+        let tractions = fields.at_points("traction").expect("tractions");
+        let all: Vec<[f64; 2]> = points
+            .iter()
+            .zip(tractions.rows())
+            .map(|(x, t)| [x[..up].iter().map(|x| x * x).sum(), -t[up]])
+            .collect();
+        let largest = all.iter().map(|[_, p]| *p).fold(0.0, f64::max);
+        let mut sums = [0.0; 5];
+        for [r2, p] in all.iter().filter(|[_, p]| *p > 0.2 * largest) {
+            let terms = [1.0, *r2, r2 * r2, p * p, r2 * p * p];
+            sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+        }
+        let [n, r, rr, p, rp] = sums;
+        let slope = (n * rp - r * p) / (n * rr - r * r);
+        let square = (p - slope * r) / n;
+        let found = [square.sqrt(), (-square / slope).sqrt()];
+        println!("{case}: {found:?} against {exact:?}");
+        for ((found, exact), tolerance) in found.iter().zip(exact).zip(tolerances) {
+            assert!((found / exact - 1.0).abs() < tolerance, "{case}: {found} against {exact}");
+        }
+    }
+}

@@ -117,6 +117,19 @@ impl PathControl {
         self.accepted = self.factor;
     }
 
+    /// Words for loads that have turned round within a step that dissipates. They pass through 0 on
+    /// no path: what is damaged springs back there, and dissipates nothing meanwhile. Such a state
+    /// is on the path of the opposite loads.
+    pub fn turned(&self) -> Option<String> {
+        let dissipates = matches!(self.control.kind, ControlKind::Dissipation(_));
+        (dissipates && self.factor * self.accepted < 0.0).then(|| {
+            format!(
+                "the load factor jumped from {:e} to {:e}, where the loads are turned round",
+                self.accepted, self.factor
+            )
+        })
+    }
+
     /// Whether the step asks for the state in which something is about to give way.
     pub fn asks_for_onset(&self) -> bool {
         matches!(self.control.kind, ControlKind::Dissipation(_)) && self.target == 0.0

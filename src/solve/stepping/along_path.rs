@@ -46,6 +46,16 @@ impl Stepper<'_> {
         Ok(report)
     }
 
+    /// Takes a state on the path of the opposite loads for none.
+    pub(super) fn without_turned(&mut self, mut report: SolveReport) -> SolveReport {
+        let turned = self.problem.path.as_ref().and_then(PathControl::turned);
+        if let Some(words) = turned.filter(|_| report.reason.is_converged()) {
+            self.problem.convergence.failure.get_or_insert(words);
+            report.reason = SnesReason::Stopped;
+        }
+        report
+    }
+
     /// Sets the loads and prescribed displacements at factor 1 of a step to `target`. Collective.
     fn start_on_path(&mut self, target: f64) -> Result<()> {
         let Some(mut path) = self.problem.path.take() else {

@@ -180,7 +180,8 @@ impl<'a> Stepper<'a> {
             self.problem.predict();
             self.solve()?
         };
-        self.persist(report)
+        let report = self.persist(report)?;
+        Ok(self.without_turned(report))
     }
 
     fn solve(&mut self) -> Result<SolveReport> {
