@@ -20,6 +20,9 @@ pub const OVERSTRESS: f64 = 1e-7;
 /// method would cycle.
 const BEYOND: f64 = 1e-9;
 
+/// The load factor of a path by dissipation grows or falls by at most this in one correction.
+const MOST_GROWTH: f64 = 4.0;
+
 /// The load factor and what it follows from.
 pub struct PathControl {
     control: Control,
@@ -236,8 +239,20 @@ impl PathControl {
             ));
             return;
         }
+        let change = self.limited(change);
         self.factor += change;
         correction.iter_mut().zip(&along).for_each(|(y, along)| *y += change * along);
+    }
+
+    /// The change of the factor, limited where the first points to soften are to dissipate all of a
+    /// step: they would follow it far beyond rupture, or to the other sign.
+    fn limited(&self, change: f64) -> f64 {
+        let dissipates = matches!(self.control.kind, ControlKind::Dissipation(_));
+        if !dissipates || self.breaks() || self.factor == 0.0 {
+            return change;
+        }
+        let relative = (change / self.factor).clamp(1.0 / MOST_GROWTH - 1.0, MOST_GROWTH - 1.0);
+        relative * self.factor
     }
 
     /// Value and linear answers of the quantity, over all ranks; with `breaks` the dissipation
