@@ -20,18 +20,18 @@ pub trait Exact {
     fn traction(&self, x: [f64; 3]) -> [f64; 3];
 }
 
-/// A round inclusion in plane strain under -1 MPa along x and -2 MPa along y, with the complex
-/// potentials (Muskhelishvili) phi = S z + A/z, psi = T z + B/z + C/z^3 outside and D z + E z^3, F z
-/// inside, 2 mu u = kappa phi - z conj(phi') - conj(psi), kappa = 3 - 4 nu.
+/// A round inclusion in plane strain under -1 MPa along x and -2 MPa along y, with complex
+/// potentials (Muskhelishvili): phi = S z + A/z, psi = T z + B/z + C/z^3 outside, D z + E z^3 and
+/// F z inside, 2 mu u = kappa phi - z conj(phi') - conj(psi), kappa = 3 - 4 nu.
 ///
 /// On the circle, in powers of w = exp(2 i theta), the plate has
 ///
 ///     2 mu (u_r + i u_theta) = (kappa S - S - B) + (A - C) w + (kappa A - T)/w
 ///     s_rr - i s_rtheta      = (2 S + B) - (A + T) w + (3 C - 3 A)/w
 ///
-/// and the inclusion (kappa D - D) + kappa E w - (3 E + F)/w and 2 D - (3 E + F) w + 3 E/w. Bonded,
-/// all are equal: E = 0, C = A, F = A + T. Without friction the terms of w and 1/w of both tractions
-/// are equal, and u_r: F = -6 E, 3 E = -A - T, 3 C = 2 A - T.
+/// and the inclusion (kappa D - D) + kappa E w - (3 E + F)/w and 2 D - (3 E + F) w + 3 E/w.
+/// Bonded, all are equal: E = 0, C = A, F = A + T. Without friction the terms of w and 1/w of both
+/// tractions are equal, and u_r: F = -6 E, 3 E = -A - T, 3 C = 2 A - T.
 pub struct Inclusion {
     far: [f64; 2],
     a: f64,
