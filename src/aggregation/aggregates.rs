@@ -2,9 +2,6 @@
 
 use crate::sparse::{BlockRows, Halo};
 
-/// Couplings below this part of the geometric mean of the diagonals do not join nodes.
-const STRONG: f64 = 0.02;
-
 /// Node in no aggregate.
 pub const NONE: u32 = u32::MAX;
 
@@ -29,7 +26,12 @@ fn diagonal_sizes(matrix: &BlockRows<f64>, halo: &Halo) -> Vec<f64> {
 }
 
 /// Strong owned neighbours of each owned node, with the strength.
-fn strong_neighbours(matrix: &BlockRows<f64>, halo: &Halo, free: &[bool]) -> BlockRows<f64> {
+fn strong_neighbours(
+    matrix: &BlockRows<f64>,
+    halo: &Halo,
+    free: &[bool],
+    least: f64,
+) -> BlockRows<f64> {
     let sizes = diagonal_sizes(matrix, halo);
     let (mut start, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
     let width = matrix.width;
@@ -51,7 +53,7 @@ fn strong_neighbours(matrix: &BlockRows<f64>, halo: &Halo, free: &[bool]) -> Blo
                 continue;
             }
             let strength = square / (sizes[i] * sizes[j]).sqrt();
-            if strength > STRONG * STRONG {
+            if strength > least * least {
                 columns.push(*column);
                 values.push(strength);
             }
@@ -62,9 +64,10 @@ fn strong_neighbours(matrix: &BlockRows<f64>, halo: &Halo, free: &[bool]) -> Blo
 }
 
 impl Aggregates {
-    /// Joins the owned nodes of a matrix that are `free`. Local.
-    pub fn new(matrix: &BlockRows<f64>, halo: &Halo, free: &[bool]) -> Self {
-        let strong = strong_neighbours(matrix, halo, free);
+    /// Joins the owned nodes of a matrix that are `free`, where their coupling is more than `least`
+    /// of the geometric mean of the diagonals. Local.
+    pub fn new(matrix: &BlockRows<f64>, halo: &Halo, free: &[bool], least: f64) -> Self {
+        let strong = strong_neighbours(matrix, halo, free, least);
         let mut found = Self { of: vec![NONE; halo.owned], count: 0 };
         found.take_whole_neighbourhoods(&strong, free);
         found.join_what_is_left(&strong, free);

@@ -12,6 +12,10 @@ use crate::comm::Comm;
 use crate::error::Result;
 use crate::sparse::{BlockMatrix, BlockRows, Halo};
 
+/// Couplings below this part of the mean of the diagonals do not join nodes of the finest level;
+/// half of it on the next one, and so on: aggregates couple to more others, and less to each.
+const STRONG: f64 = 0.02;
+
 /// Up to so many nodes a level is inverted.
 const FEWEST: u64 = 50;
 
@@ -58,7 +62,8 @@ impl Aggregation {
                 stages.push(Stage::Level(Box::new(Level::new(smoother, None, halo, height))));
                 break Coarsest::none();
             }
-            let (basis, below) = coarsened(&with, rows, &level)?;
+            let least = STRONG * 0.5_f64.powi(stages.len() as i32);
+            let (basis, below) = coarsened(&with, rows, &level, least)?;
             stalls = below.halo.total() as f64 > STALLED * halo.total() as f64;
             let basis = Some((basis, Rc::clone(&below.halo)));
             // The double precision of the basis is gone before this copy of the matrix is made.
@@ -71,9 +76,14 @@ impl Aggregation {
 }
 
 /// The next coarser level, and its basis. Collective.
-fn coarsened(comm: &Comm, rows: &BlockRows<f64>, level: &Setup) -> Result<(BlockRows<f32>, Setup)> {
+fn coarsened(
+    comm: &Comm,
+    rows: &BlockRows<f64>,
+    level: &Setup,
+    least: f64,
+) -> Result<(BlockRows<f32>, Setup)> {
     let Setup { halo, motions, .. } = level;
-    let aggregates = Aggregates::new(rows, halo, &motions.free());
+    let aggregates = Aggregates::new(rows, halo, &motions.free(), least);
     let offsets = Halo::new(comm, aggregates.count, Vec::new())?.offsets;
     let own = [offsets[comm.rank() as usize], aggregates.count as u64];
     let tentative = Tentative::new(motions, &aggregates, own[0], halo);

@@ -53,6 +53,7 @@ fn requests(file: &FileMesh, is_refined: bool) -> Vec<Request> {
         materials: vec![material("rock", Vec::new())],
         surfaces,
         interfaces: Vec::new(),
+        divided: Vec::new(),
     };
     let on = |(index, group): (usize, &String)| InterfaceRequest {
         name: format!("joint {index}"),
