@@ -15,7 +15,7 @@ pub fn assert_close(one: &Run, run: &Run, tolerance: f64) {
         let scale = one.column(name).iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         let scale = match name.split('.').next_back() {
             Some("min" | "max" | "mean") if name.contains("traction") => 1e6,
-            Some(of) if of.starts_with("reaction") => 1e6,
+            Some(of) if of.starts_with("reaction") || of.starts_with("force_") => 1e6,
             Some(of) if of.starts_with("displacement") => 1e-4,
             Some("min" | "max" | "mean") if name.contains("jump") => 1e-4,
             Some("min" | "max" | "mean") if name.contains("sliding") => 1e-4,
