@@ -44,6 +44,7 @@ fn assert_agree(one: &Run, other: &Run, part: f64) {
     let kind = |name: &str| {
         let kinds = ["traction", "jump", "sliding", "displacement", "reaction", "energy"];
         match kinds.iter().position(|kind| name.contains(kind)) {
+            _ if name.contains(".force_") => "reaction".to_owned(),
             Some(1..=3) => "length".to_owned(),
             Some(kind) => kinds[kind].to_owned(),
             None => name.to_owned(),
