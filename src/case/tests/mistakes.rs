@@ -160,7 +160,7 @@ fn a_mistake_in_the_file_is_told_with_its_place_and_reason() {
              `joint.normal_traction`? (known: time, load_factor, newton_iterations, \
              linear_iterations, joint.normal_traction, joint.shear_traction_x, \
              joint.shear_traction_y, joint.normal_jump, joint.sliding_x, joint.sliding_y, \
-             joint.damage, bottom.reaction_x, bottom.reaction_y, bottom.reaction_z, \
+             joint.damage, joint.force_x, joint.force_y, joint.force_z, joint.area, bottom.reaction_x, bottom.reaction_y, bottom.reaction_z, \
              top.reaction_x, top.reaction_y, top.reaction_z, total.reaction_x, total.reaction_y, \
              total.reaction_z, mid.displacement_x, mid.displacement_y, mid.displacement_z, energy.elastic, energy.dissipated, \
              energy.external)",
@@ -267,7 +267,7 @@ case.yaml:12:10: boundary.0.on cannot be `botom`; did you mean `bottom`? (known:
 left, right, front, back, all)
 case.yaml:14:22: time.instants.1 must be above the instant before it at 1, got 1
 --set solver.linear=mump: solver.linear cannot be `mump`; did you mean `mumps`? (known: auto, \
-mumps, gamg, hypre, multigrid)";
+mumps, aggregation, gamg, hypre, multigrid)";
     assert_eq!(error, Err(Error::Input(expected.to_owned())));
 }
 

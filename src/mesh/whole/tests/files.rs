@@ -42,7 +42,9 @@ fn files_of_gmsh_and_medcoupling_are_made_whole() {
         let has_pyramids = file.blocks.iter().any(|block| {
             matches!(block.kind, Kind::Pyramid13 | Kind::Pyramid14) && !block.numbers.is_empty()
         });
-        if has_pyramids {
+        // Its sides lie on each other and share no node: a case has to name them.
+        let is_cut = name.ends_with("med_cut.med");
+        if has_pyramids || is_cut {
             assert!(build(&file, &asked, &name).is_err());
             continue;
         }
