@@ -102,7 +102,7 @@ for index, name in enumerate(whole[0]):
     if name.endswith("_iterations"):
         continue
     a, b = ([float(row[index]) for row in table[1:]] for table in (whole, parts))
-    kind = next(word for word in ("time", "traction", "jump", "sliding", "damage", "reaction", "energy", "factor", "displacement") if word in name)
+    kind = next(word for word in ("time", "traction", "jump", "sliding", "damage", "force", "area", "reaction", "energy", "factor", "displacement") if word in name)
     scale = max(abs(float(row[i])) for row in whole[1:] for i, other in enumerate(whole[0]) if kind in other)
     worst = max(abs(x - y) for x, y in zip(a, b))
     assert worst <= 1e-9 * scale, (name, worst, scale)
