@@ -158,11 +158,6 @@ impl BlockMatrix {
         comm.agree(set())?;
         copy.assemble()
     }
-
-    /// Bytes of this rank. Local.
-    pub fn memory(&self) -> u64 {
-        (self.rows.values.len() * 8 + self.rows.columns.len() * 4) as u64
-    }
 }
 
 impl LinearOperator for BlockMatrix {

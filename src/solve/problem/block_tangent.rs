@@ -17,6 +17,8 @@ pub struct BlockTangent {
     matrix: Rc<Product>,
     cycle: Rc<Cycle>,
     axes: &'static [usize],
+    /// Whether elimination has taken the place of the preconditioner.
+    is_eliminated: bool,
 }
 
 /// The matrix as the solver sees it.
@@ -60,7 +62,7 @@ impl BlockTangent {
         let matrix = BlockMatrix::new(comm, all.dim, all.nodes.owned, |node| pattern.row(node))?;
         let matrix = Rc::new(Product(RefCell::new(matrix)));
         let tangent = Tangent::new(all, pattern, diagonal);
-        Ok(Self { tangent, matrix, cycle: Rc::default(), axes })
+        Ok(Self { tangent, matrix, cycle: Rc::default(), axes, is_eliminated: false })
     }
 
     /// A matrix of PETSc with the entries. Collective.
@@ -79,6 +81,12 @@ impl BlockTangent {
     /// `System` when PETSc fails.
     pub fn write(&self, comm: &Comm, copy: &mut Matrix) -> Result<()> {
         self.matrix.0.borrow().write(comm, copy)
+    }
+
+    /// Elimination has taken over: from now on there is no preconditioner to set up. Local.
+    pub fn leave_to_elimination(&mut self) {
+        self.is_eliminated = true;
+        self.cycle.0.replace(None);
     }
 
     /// The matrix for the solver. Local.
@@ -112,6 +120,9 @@ impl BlockTangent {
     pub fn set_up(&mut self, comm: &Comm, all: &Discretization, state: &[NodeState]) -> Result<()> {
         // The old one goes first: there is memory for one.
         self.cycle.0.replace(None);
+        if self.is_eliminated {
+            return Ok(());
+        }
         let state: Vec<_> = state.iter().map(NodeState::stiffened).collect();
         self.assemble(comm, all, &state)?;
         let motions = motions_of_nodes(comm, self.axes, all, &state);

@@ -221,6 +221,13 @@ impl Problem<'_> {
         }
     }
 
+    /// Elimination has taken over from the preconditioner of the tangent in blocks. Local.
+    pub fn leave_to_elimination(&mut self) {
+        if let TangentForm::Blocks(blocks) = &mut self.form {
+            blocks.leave_to_elimination();
+        }
+    }
+
     /// Forgets a preconditioner of ours that was set up for another state than the tangent; tells
     /// whether there was one. Collective.
     pub fn forget_kept_preconditioner(&mut self) -> bool {

@@ -47,6 +47,7 @@ impl Stepper<'_> {
             && let entries = self.problem.matrix_of_blocks(self.snes.petsc())?
             && self.snes.try_elimination(options, entries)?
         {
+            self.problem.leave_to_elimination();
             let why = self.reason(&report);
             tracing::info!("  {why}: MUMPS takes the place of iterations");
             if let Some(path) = &mut self.problem.path {
