@@ -126,10 +126,12 @@ def arc():
     write("arc-4.1", 4.1, SaveAll=1)
 
 
-def every_type():
-    """One element of every type that is read, at its reference points, each 10 m from the other."""
-    start(1.0)
-    number = 0
+def add_every_type():
+    """Adds one element of every type that is read, at its reference points, each 10 m from the other.
+
+    Returns dimension, entity and type of each.
+    """
+    number, made = 0, []
     for index, kind in enumerate(range(1, 20)):
         _, dim, _, count, points, _ = gmsh.model.mesh.getElementProperties(kind)
         entity = gmsh.model.addDiscreteEntity(dim)
@@ -142,6 +144,14 @@ def every_type():
         number = tags[-1]
         gmsh.model.mesh.addNodes(dim, entity, tags, flat)
         gmsh.model.mesh.addElementsByType(entity, kind, [], tags)
+        made.append((dim, entity, kind))
+    return made
+
+
+def every_type():
+    """The same as a file."""
+    start(1.0)
+    add_every_type()
     write("every-type-4.1", 4.1, SaveAll=1)
 
 

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import gmsh
 
+from meshes import add_every_type
+
 FOLDER = Path(__file__).resolve().parent.parent / "tests" / "fuzz" / "corpus" / "gmsh"
 LINE, TRIANGLE, QUADRILATERAL, TETRAHEDRON, HEXAHEDRON, PRISM, PYRAMID, POINT = 1, 2, 3, 4, 5, 6, 7, 15
 
@@ -95,23 +97,12 @@ def apart():
 
 
 def every_type():
-    """One element of every type that is read, at its reference points, each 10 m from the other."""
+    """One element of every type that is read, each in a group of its own."""
     gmsh.clear()
     gmsh.model.add("every")
     gmsh.option.setNumber("Mesh.SaveAll", 0)
-    number = 0
-    for index, kind in enumerate(range(1, 20)):
-        _, dim, _, count, points, _ = gmsh.model.mesh.getElementProperties(kind)
-        entity = gmsh.model.addDiscreteEntity(dim)
-        flat = []
-        for i in range(count):
-            point = list(points[i * dim : (i + 1) * dim]) + [0.0] * (3 - dim)
-            flat += [point[0] + 10 * index, point[1], point[2]]
-        tags = [number + 3 * i + 5 for i in range(count)]
-        number = tags[-1]
-        gmsh.model.mesh.addNodes(dim, entity, tags, flat)
-        gmsh.model.mesh.addElementsByType(entity, kind, [], tags)
-        gmsh.model.addPhysicalGroup(dim, [entity], index + 1, f"type {kind}")
+    for tag, (dim, entity, kind) in enumerate(add_every_type(), 1):
+        gmsh.model.addPhysicalGroup(dim, [entity], tag, f"type {kind}")
     write("every-type")
 
 
