@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# Builds raw_elastic: scripts/peers/build.sh [where to put it]
+# Builds raw_elastic, or raw_mesh: scripts/peers/build.sh [where to put it] [which]
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-output=${1:-$here/raw_elastic}
+which=${2:-raw_elastic}
+output=${1:-$here/$which}
 
 if pkg-config --exists PETSc 2>/dev/null; then
     read -ra flags <<<"$(pkg-config --cflags PETSc)"
@@ -17,5 +18,5 @@ else
     libraries=("$library")
 fi
 
-mpicc -std=gnu11 -O3 -march=native -Wall -Wextra "${flags[@]}" "$here/raw_elastic.c" -o "$output" \
+mpicc -std=gnu11 -O3 -march=native -Wall -Wextra "${flags[@]}" "$here/$which.c" -o "$output" \
     "${libraries[@]}" -lm

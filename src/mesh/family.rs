@@ -109,6 +109,15 @@ impl MeshFamily {
         has_levels
     }
 
+    /// Leaves out the coarser meshes of a file.
+    pub fn leave_finest(&mut self) {
+        if let Source::Whole(facts, meshes) = &mut self.source {
+            facts.coarser.clear();
+            meshes.drain(..meshes.len().saturating_sub(1));
+            meshes.iter_mut().for_each(|mesh| mesh.parents = Vec::new());
+        }
+    }
+
     /// Number of cells of the mesh that is shared out.
     pub fn coarse_cells(&self) -> u64 {
         match &self.source {
@@ -231,7 +240,8 @@ fn read(
         interfaces: case.interfaces.iter().map(interface).collect::<Result<_>>()?,
         divided: divided.to_vec(),
     };
-    let keep = if case.solver.linear == Linear::Multigrid { Keep::All } else { Keep::Finest };
+    let may_need_levels = matches!(case.solver.linear, Linear::Multigrid | Linear::Auto);
+    let keep = if may_need_levels { Keep::All } else { Keep::Finest };
     let mut meshes = whole::nested(&content, &request, &path, keep)?;
     for mesh in &mut meshes {
         for index in (0..case.interfaces.len()).filter(|index| case.interfaces[*index].connected) {

@@ -116,7 +116,10 @@ fn build<'a>(
     let mut choice = LinearChoice::new(case, &facts);
     let fewest = COARSEST_CELLS * comm.size() as u64;
     if choice.preset == MULTIGRID && !family.coarsen(fewest) {
-        choice = choice.without_levels();
+        choice = choice.without_levels(case, &facts);
+    }
+    if choice.preset != MULTIGRID {
+        family.leave_finest();
     }
     resources::check(comm, case, &facts, &choice, directory)?;
     let mut meshes = {

@@ -55,7 +55,7 @@ pub fn build<'a>(
     runtime: &'a Runtime,
     timers: &'a Timers,
     case: &'a Case,
-    choice: LinearChoice,
+    mut choice: LinearChoice,
     problem: BoundaryValueProblem,
     coarser: Vec<LocalMesh>,
 ) -> Result<Model<'a>> {
@@ -69,7 +69,12 @@ pub fn build<'a>(
     convergence.see_gaps(comm, &all, &interfaces);
 
     fault::strike(comm, "setup")?;
-    let levels = levels(comm, case, &choice, &sides, coarser, &mesh, &all)?;
+    let mut levels = levels(comm, case, &choice, &sides, coarser, &mesh, &all)?;
+    if levels.len() == 1 {
+        // No coarser mesh was of use.
+        levels.clear();
+        choice = choice.without_levels(case, &mesh.facts);
+    }
     let system = system(runtime, case, &choice, &all, levels)?;
     let System { snes, form, diagonal, saddle, rows } = system;
     let known_pressure = known_pressure(comm, case, &mesh, &all)?;

@@ -99,6 +99,9 @@ const FEWEST_FOR_LEVELS: f64 = 3000.0;
 /// Up to so many unknowns the mesh of a file is eliminated, in 2D and in 3D.
 const MOST_OF_FILE: [f64; 2] = [3e5, 6e4];
 
+/// Elimination is taken below this many unknowns of a refined file.
+const FEWEST_REFINED: f64 = 1e4;
+
 /// Above this Poisson's ratio multigrid needs more than a hundred iterations.
 const HARD_TO_SMOOTH: f64 = 0.495;
 /// Up to so many unknowns elimination then takes less time and bearable memory.
@@ -121,8 +124,16 @@ impl LinearChoice {
         }
     }
 
-    /// The choice for a mesh that has no coarser level: elimination in the place of multigrid.
-    pub fn without_levels(self) -> Self {
+    /// The choice in the place of multigrid for a mesh that has no coarser level: elimination, or
+    /// what suits the mesh of a file.
+    pub fn without_levels(self, case: &Case, mesh: &MeshFacts) -> Self {
+        if case.mesh.file().is_some() {
+            let other = Self::for_file(mesh.dim, mesh.nodes as f64 * mesh.dim as f64);
+            return Self {
+                why: format!("no coarser mesh serves multigrid; {}", other.why),
+                ..other
+            };
+        }
         let why = format!("{}, but the mesh is too small for a coarser one", self.why);
         Self::named("mumps", why)
     }
@@ -161,7 +172,8 @@ impl LinearChoice {
             );
         }
         if case.mesh.file().is_some() {
-            return Self::for_file(mesh.dim, unknowns);
+            return Self::refined(mesh, unknowns)
+                .unwrap_or_else(|| Self::for_file(mesh.dim, unknowns));
         }
         let why = "coarser lattices of the column make iterations cheap and few";
         Self::named(MULTIGRID, format!("{unknowns:.0} unknowns: {why}"))
@@ -169,6 +181,15 @@ impl LinearChoice {
 }
 
 impl LinearChoice {
+    /// Multigrid where refinement has left coarser meshes, the coarsest so small that elimination
+    /// of it is cheap.
+    fn refined(mesh: &MeshFacts, unknowns: f64) -> Option<Self> {
+        let coarsest = *mesh.coarser.first()? as f64 / mesh.cells.max(1) as f64 * unknowns;
+        let is_small = unknowns < FEWEST_REFINED || coarsest > MOST_OF_FILE[mesh.dim - 2];
+        let why = "coarser meshes, which refinement has left, make iterations cheap and few";
+        (!is_small).then(|| Self::named(MULTIGRID, format!("{unknowns:.0} unknowns: {why}")))
+    }
+
     /// The mesh of a file may have no coarser ones: elimination, up to where its fill costs more
     /// than iterations with smoothed aggregation, which knows the rigid motions of slender parts.
     fn for_file(dim: usize, unknowns: f64) -> Self {

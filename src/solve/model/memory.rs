@@ -19,6 +19,9 @@ const PER_UNKNOWN: [(&str, [f64; 4]); 4] = [
     ("hypre", [980.0, 2650.0, 1520.0, 5700.0]),
 ];
 
+/// The cells of a file have stiffness matrices of their own, where those of a box share theirs.
+const LEVELS_OF_FILE: f64 = 1.75;
+
 /// With smoothed aggregation and elimination several ranks hold more than one does.
 const SHARED: [(&str, f64); 2] = [("gamg", 1.6), ("mumps", 1.35)];
 
@@ -48,6 +51,8 @@ pub fn memory(preset: &str, case: &Case, mesh: &MeshFacts, ranks: usize) -> f64 
     let listed = PER_UNKNOWN.iter().find(|(name, _)| *name == preset);
     let shared = SHARED.iter().find(|(name, _)| *name == preset && ranks > 1);
     let shared = shared.map_or(1.0, |(_, factor)| *factor);
+    let own = preset == MULTIGRID && case.mesh.file().is_some();
+    let shared = if own { LEVELS_OF_FILE * shared } else { shared };
     let solver = if let Some((_, bytes)) = listed {
         let vectors = if pressures > 0.0 { PER_VECTORS } else { 0.0 };
         let beside = pressures * PER_PRESSURE[usize::from(!flat)] + displacements * vectors;
