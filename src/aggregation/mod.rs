@@ -7,6 +7,7 @@
 //! read.
 
 mod aggregates;
+mod by_columns;
 mod coarsest;
 mod cycle;
 mod galerkin;

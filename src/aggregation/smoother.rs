@@ -5,8 +5,9 @@
 //! to them, on the diagonal, keep the sweeps convergent on any number of ranks (Baker, Falgout,
 //! Kolev and Yang, SIAM J. Sci. Comput. 33, 2011).
 
+use super::by_columns::{ByColumns, END, Way, with_size};
 use crate::simd::{self, Kernel};
-use crate::sparse::{BlockRows, Gathered, Halo, times, with_sizes};
+use crate::sparse::{BlockRows, Halo};
 
 /// The inverse of the block of the diagonal of each row, with `extra` on its diagonal.
 pub fn inverse_blocks(matrix: &BlockRows<f64>, extra: Option<&[f64]>) -> Vec<f64> {
@@ -59,7 +60,7 @@ fn invert(block: &mut [f64], n: usize) -> bool {
 
 /// The matrix of a level with its sweeps, in single precision.
 pub struct Smoother {
-    rows: BlockRows<f32>,
+    rows: ByColumns,
     /// Place of the block of the diagonal in each row.
     diagonal: Vec<u32>,
     /// Inverses of these blocks, with the extra numbers.
@@ -84,7 +85,7 @@ impl Smoother {
         let place = |i| matrix.place(i, i as u32).expect("a diagonal block") as u32;
         let inverse = inverse_blocks(matrix, Some(&extra));
         Self {
-            rows: matrix.to_single(),
+            rows: ByColumns::new(matrix),
             diagonal: (0..matrix.len()).map(place).collect(),
             inverse: inverse.into_iter().map(|a| a as f32).collect(),
             extra: extra.into_iter().map(|a| a as f32).collect(),
@@ -129,22 +130,17 @@ struct Forward<'a> {
 impl Kernel for Forward<'_> {
     #[inline(always)]
     fn run(self) {
-        with_sizes!(self.of.rows, forward, self.of, self.b, self.x)
+        with_size!(self.of.rows, forward, self.of, self.b, self.x)
     }
 }
 
 #[inline(always)]
-fn forward<const H: usize, const W: usize>(of: &Smoother, b: &[f32], x: &mut [f32]) {
-    let mut room = Gathered::default();
+fn forward<const N: usize, const L: usize>(of: &Smoother, b: &[f32], x: &mut [f32]) {
     for i in 0..of.rows.len() {
-        let (row, below) = (of.rows.row(i), of.diagonal[i] as usize);
-        let length = row.columns.len() * W;
-        let known = times::<f32, H, W>(&row.columns[..below], row.values, length, x, &mut room);
-        let mut left = [0.0; H];
-        for h in 0..H {
-            left[h] = b[i * H + h] - known[h];
-        }
-        x[i * H..][..H].copy_from_slice(&apply(&of.inverse[i * H * H..][..H * H], left));
+        let below = of.rows.blocks(i, 0, of.diagonal[i] as usize);
+        let known = below.times::<N, L>(x, Way::Up);
+        let left = std::array::from_fn(|h| b[i * N + h] - known[h]);
+        x[i * N..][..N].copy_from_slice(&apply::<N>(&of.inverse[i * N * N..][..N * N], left));
     }
 }
 
@@ -157,21 +153,17 @@ struct Left<'a> {
 impl Kernel for Left<'_> {
     #[inline(always)]
     fn run(self) {
-        with_sizes!(self.of.rows, left, self.of, self.x, self.r)
+        with_size!(self.of.rows, left, self.of, self.x, self.r)
     }
 }
 
 #[inline(always)]
-fn left<const H: usize, const W: usize>(of: &Smoother, x: &[f32], r: &mut [f32]) {
-    let mut room = Gathered::default();
-    for (i, r) in r.chunks_exact_mut(H).enumerate() {
-        let (row, above) = (of.rows.row(i), of.diagonal[i] as usize + 1);
-        let length = row.columns.len() * W;
-        let columns = &row.columns[above..];
-        let values = row.values.get(above * W..).unwrap_or_default();
-        let beyond = times::<f32, H, W>(columns, values, length, x, &mut room);
-        for h in 0..H {
-            r[h] = of.extra[i * H + h] * x[i * H + h] - beyond[h];
+fn left<const N: usize, const L: usize>(of: &Smoother, x: &[f32], r: &mut [f32]) {
+    for (i, r) in r.chunks_exact_mut(N).enumerate() {
+        let above = of.rows.blocks(i, of.diagonal[i] as usize + 1, END);
+        let beyond = above.times::<N, L>(x, Way::Up);
+        for h in 0..N {
+            r[h] = of.extra[i * N + h] * x[i * N + h] - beyond[h];
         }
     }
 }
@@ -185,24 +177,18 @@ struct Backward<'a> {
 impl Kernel for Backward<'_> {
     #[inline(always)]
     fn run(self) {
-        with_sizes!(self.of.rows, backward, self.of, self.b, self.x)
+        with_size!(self.of.rows, backward, self.of, self.b, self.x)
     }
 }
 
 #[inline(always)]
-fn backward<const H: usize, const W: usize>(of: &Smoother, b: &[f32], x: &mut [f32]) {
-    let mut room = Gathered::default();
+fn backward<const N: usize, const L: usize>(of: &Smoother, b: &[f32], x: &mut [f32]) {
     for i in (0..of.rows.len()).rev() {
-        let row = of.rows.row(i);
-        let product =
-            times::<f32, H, W>(row.columns, row.values, row.columns.len() * W, x, &mut room);
-        let mut left = [0.0; H];
-        for h in 0..H {
-            left[h] = b[i * H + h] - product[h];
-        }
-        let change = apply(&of.inverse[i * H * H..][..H * H], left);
-        for h in 0..H {
-            x[i * H + h] += change[h];
+        let product = of.rows.blocks(i, 0, END).times::<N, L>(x, Way::Down);
+        let left = std::array::from_fn(|h| b[i * N + h] - product[h]);
+        let change = apply::<N>(&of.inverse[i * N * N..][..N * N], left);
+        for h in 0..N {
+            x[i * N + h] += change[h];
         }
     }
 }

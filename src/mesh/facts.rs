@@ -38,6 +38,8 @@ pub struct MeshFacts {
     pub names: Vec<String>,
     /// The pairs of bodies that interfaces join, each once.
     pub joints: Vec<Joint>,
+    /// Parts of bodies of the mesh of a file that hang on others by nodes alone.
+    pub hinges: Hinges,
 }
 
 /// Two bodies that an interface joins.
@@ -47,6 +49,37 @@ pub struct Joint {
     pub interface: usize,
     /// The body of the lower lip and that of the upper one, which may be the same.
     pub bodies: [usize; 2],
+}
+
+/// The parts of bodies that consist of several, and what they hang on.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Hinges {
+    /// Cells that share facets, or that an interface joins. None where every body is one part.
+    pub parts: Vec<Part>,
+    /// The nodes that parts share.
+    pub nodes: Vec<HingeNode>,
+}
+
+/// Cells that share facets.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Part {
+    /// The mean of the nodes of its cells (m).
+    pub middle: [f64; 3],
+    /// The number of its cells.
+    pub cells: u64,
+    /// The surfaces, by their index, that nodes of it alone are on.
+    pub surfaces: Vec<usize>,
+}
+
+/// A node that two parts share.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct HingeNode {
+    /// Where it is (m).
+    pub point: [f64; 3],
+    /// Both parts.
+    pub parts: [usize; 2],
+    /// The surfaces, by their index, that it is on.
+    pub surfaces: Vec<usize>,
 }
 
 /// One lip of an interface in numbers.

@@ -19,7 +19,7 @@ pub mod whole;
 
 pub use crate::case::column_axes as axes;
 pub use directions::{Directions, LipNormal, MidNode, SurfaceNormal};
-pub use facts::{DualGraph, Joint, LipFacts, MeshFacts};
+pub use facts::{DualGraph, HingeNode, Hinges, Joint, LipFacts, MeshFacts};
 pub use family::MeshFamily;
 pub use lattice::{CellPlace, Column, NodePlace};
 pub use local::{Facet, FarFacet, Interpolation, LocalMesh, Places};

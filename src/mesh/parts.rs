@@ -47,6 +47,7 @@ impl WholeMesh {
             digest: digest(self),
             names: Vec::new(),
             joints: self.joints(),
+            hinges: self.hinges.clone(),
         }
     }
 

@@ -69,12 +69,7 @@ pub fn build<'a>(
     convergence.see_gaps(comm, &all, &interfaces);
 
     fault::strike(comm, "setup")?;
-    let mut levels = levels(comm, case, &choice, &sides, coarser, &mesh, &all)?;
-    if levels.len() == 1 {
-        // No coarser mesh was of use.
-        levels.clear();
-        choice = choice.without_levels(case, &mesh.facts);
-    }
+    let levels = levels(comm, case, &mut choice, &sides, coarser, &mesh, &all)?;
     let system = system(runtime, case, &choice, &all, levels)?;
     let System { snes, form, diagonal, saddle, rows } = system;
     let known_pressure = known_pressure(comm, case, &mesh, &all)?;
@@ -163,11 +158,12 @@ fn convergence(case: &Case, tolerance: f64) -> Convergence {
     convergence
 }
 
-/// The levels of multigrid, coarsest first; none for other solvers. Collective.
+/// The levels of multigrid, coarsest first; none for other solvers, among them the one that takes
+/// its place where no coarser mesh is of use. Collective.
 fn levels(
     comm: &Comm,
     case: &Case,
-    choice: &LinearChoice,
+    choice: &mut LinearChoice,
     sides: &[Sides],
     coarser: Vec<LocalMesh>,
     finest: &LocalMesh,
@@ -187,6 +183,10 @@ fn levels(
         let all = Rc::new(discretize(comm, case, &mesh, sides)?.0);
         levels.push(level(&mesh, all, below.as_ref()));
         below = Some(mesh);
+    }
+    if levels.is_empty() {
+        *choice = choice.clone().without_levels(case, &finest.facts);
+        return Ok(levels);
     }
     levels.push(level(finest, Rc::clone(all), below.as_ref()));
     Ok(levels)

@@ -51,6 +51,7 @@ mod scene;
 mod shipped;
 mod short_joints;
 mod signals;
+mod small_meshes;
 mod stability;
 mod steps;
 mod suite;

@@ -5,6 +5,7 @@ use super::{CellPlace, NodePlace};
 use crate::case::Surface;
 use crate::element::Shape;
 use crate::mesh::directions::Directions;
+use crate::mesh::facts::Hinges;
 use crate::mesh::prototype::Prototypes;
 use crate::mesh::{
     Facet, FarFacet, Geometry, Interpolation, Joint, Lip, LipFacts, LocalMesh, Marks, MeshFacts,
@@ -185,6 +186,7 @@ impl Column {
             nodes_per_cell: bodies().map(|b| self.shape(b).nodes()).max().unwrap_or(8),
             section,
             digest: 0,
+            hinges: Hinges::default(),
             names: Vec::new(),
             joints: (1..self.bodies())
                 .map(|i| Joint { interface: i - 1, bodies: [i - 1, i] })

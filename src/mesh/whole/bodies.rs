@@ -32,7 +32,7 @@ pub fn bodies(view: View<'_>) -> (Vec<u32>, usize) {
 }
 
 /// The node that stands for the body of a node.
-fn root(roots: &mut [u32], node: u32) -> u32 {
+pub(super) fn root(roots: &mut [u32], node: u32) -> u32 {
     let mut at = node;
     while roots[at as usize] != at {
         // Every second step is left out the next time.

@@ -6,6 +6,7 @@ use super::cut::{Copies, cut};
 use super::facet::WholeFacet;
 use super::facets::FacetTable;
 use super::groups::Groups;
+use super::hinges::hinges;
 use super::plan::{Known, Plan, plan};
 use super::refine::Refiner;
 use super::request::Request;
@@ -14,6 +15,7 @@ use super::words::{count, wrong};
 use super::{divide, doubled, jacobian, lips, materials, raise, refine, surfaces, touching};
 use crate::element::Shape;
 use crate::error::{Error, Result};
+use crate::mesh::facts::Hinges;
 use crate::mesh::import::FileMesh;
 
 /// Makes a whole mesh of what a file holds, as a case asks for it.
@@ -180,7 +182,7 @@ fn cut_up(
     let (bodies, body_count) = bodies(cells.view());
     let axes: &[usize] = if cells.dim() == 2 { &[0, 1] } else { &[0, 1, 2] };
     let Cells { points, shapes, start, nodes, numbers, .. } = cells;
-    Ok(WholeMesh {
+    let mesh = WholeMesh {
         axes,
         points,
         shapes,
@@ -190,11 +192,13 @@ fn cut_up(
         materials,
         bodies,
         body_count,
+        hinges: Hinges::default(),
         surfaces,
         interfaces,
         parents: Vec::new(),
         remarks,
-    })
+    };
+    Ok(WholeMesh { hinges: hinges(&mesh, &mates), ..mesh })
 }
 
 /// Says which surfaces are of nodes, between which refinement puts nodes that are not in them.

@@ -33,6 +33,7 @@ mod build;
 mod across;
 mod digest;
 mod dual;
+mod hinges;
 #[cfg(test)]
 mod tests;
 

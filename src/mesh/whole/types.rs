@@ -4,6 +4,7 @@ use super::facet::WholeFacet;
 use super::refine::Parent;
 use super::view::View;
 use crate::element::Shape;
+use crate::mesh::facts::Hinges;
 
 /// The largest number of nodes of a facet.
 pub const MAX_FACET_NODES: usize = 9;
@@ -32,6 +33,8 @@ pub struct WholeMesh {
     pub bodies: Vec<u32>,
     /// The number of bodies.
     pub body_count: usize,
+    /// Parts of bodies that hang on others by nodes alone.
+    pub hinges: Hinges,
     /// The surfaces as asked for, in that order.
     pub surfaces: Vec<WholeSurface>,
     /// The interfaces as asked for, in that order.

@@ -1,17 +1,19 @@
 //! Whether supports hold the bodies of the mesh of a file, before anything is solved.
 
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::BoundaryValueProblem;
 use crate::assembly::Discretization;
-use crate::case::Case;
+use crate::case::{BoundarySpec, Case, SurfaceBit};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::graph::groups;
-use crate::mesh::MeshFacts;
+use crate::mesh::{HingeNode, Hinges, MeshFacts};
 
 /// A motion is free where what resists it is less than this part of the most that any meets.
 const FREE: f64 = 1e-12;
+/// More motions of parts that hang on nodes than this are not looked at.
+const MOST_MOTIONS: usize = 1200;
 /// More bodies than this are taken to be held: what resists them is not gathered.
 const MOST_GROUPS: usize = 10_000;
 
@@ -47,7 +49,96 @@ pub fn check(comm: &Comm, case: &Case, problem: &BoundaryValueProblem) -> Result
             bodies.name(number.unwrap_or_default()),
         )));
     }
-    Ok(())
+    hinges(case, &bodies)
+}
+
+/// Refuses parts of bodies that hang on the others by nodes alone and can turn about them. Local;
+/// the same on every rank.
+fn hinges(case: &Case, bodies: &Bodies<'_>) -> Result<()> {
+    let Hinges { parts, nodes } = &bodies.mesh.hinges;
+    let prescribes = |surfaces: &[usize]| {
+        let of = |entry: &&BoundarySpec| match case.surface_bit(&entry.on) {
+            SurfaceBit::All => true,
+            SurfaceBit::Place(place) => surfaces.contains(&place),
+        };
+        case.boundary.iter().filter(|entry| entry.prescribes_displacement()).any(|e| of(&e))
+    };
+    // A part with a support is taken to be held by it.
+    let mut places = vec![None; parts.len()];
+    let mut free = Vec::new();
+    for (part, place) in parts.iter().zip(&mut places).filter(|(p, _)| !prescribes(&p.surfaces)) {
+        *place = Some(free.len());
+        free.push(part);
+    }
+    let motions = bodies.motions();
+    let size = motions * free.len();
+    if size == 0 || size > MOST_MOTIONS {
+        return Ok(());
+    }
+    let held = |node: &HingeNode| prescribes(&node.surfaces);
+    let resistance = resistance_of_nodes(bodies, nodes, &places, size, held);
+    let eigen = SymmetricEigen::new(resistance);
+    let most = eigen.eigenvalues.amax();
+    let Some(loose) = (0..size).find(|i| eigen.eigenvalues[*i] <= FREE * most) else {
+        return Ok(());
+    };
+    let motion = eigen.eigenvectors.column(loose);
+    let moves = |place: usize| -> f64 { motion.rows(place * motions, motions).norm() };
+    let place = (0..free.len()).max_by(|i, j| moves(*i).total_cmp(&moves(*j))).unwrap_or_default();
+    let hangs = |node: &&HingeNode| node.parts.iter().any(|part| places[*part] == Some(place));
+    let on: Vec<&HingeNode> = nodes.iter().filter(hangs).collect();
+    let [x, y, z] = free[place].middle;
+    let at = on.first().map_or([x, y, z], |node| node.point);
+    Err(Error::Input(format!(
+        "{} around ({x:.4}, {y:.4}, {z:.4}) m can turn: {} with the rest of the mesh no facet, only \
+         {}, the first at ({:.4}, {:.4}, {:.4}) m; join them by facets, hold them by supports, or \
+         leave them out",
+        cells(free[place].cells),
+        if free[place].cells == 1 { "it shares" } else { "they share" },
+        if on.len() == 1 { "1 node".into() } else { format!("{} nodes", on.len()) },
+        at[0],
+        at[1],
+        at[2],
+    )))
+}
+
+/// What the nodes that parts share, and supports of these, resist the motions of the free parts
+/// with, whose numbers are `places`.
+fn resistance_of_nodes(
+    bodies: &Bodies<'_>,
+    nodes: &[HingeNode],
+    places: &[Option<usize>],
+    size: usize,
+    is_held: impl Fn(&HingeNode) -> bool,
+) -> DMatrix<f64> {
+    let motions = bodies.motions();
+    let mut resistance = DMatrix::<f64>::zeros(size, size);
+    for node in nodes {
+        let ends = if is_held(node) {
+            // Held itself: it holds both.
+            vec![vec![places[node.parts[0]]], vec![places[node.parts[1]]]]
+        } else {
+            vec![node.parts.map(|part| places[part]).to_vec()]
+        };
+        for ends in ends {
+            for axis in bodies.mesh.axes {
+                let mut row = DVector::<f64>::zeros(size);
+                for (end, sign) in ends.iter().zip([1.0, -1.0]) {
+                    let Some(place) = end else { continue };
+                    for number in 0..motions {
+                        let moved = bodies.moved(number, node.point)[*axis];
+                        row[place * motions + number] += sign * moved;
+                    }
+                }
+                resistance += &row * row.transpose();
+            }
+        }
+    }
+    resistance
+}
+
+fn cells(number: u64) -> String {
+    if number == 1 { "the cell".into() } else { format!("the {number} cells") }
 }
 
 /// Bodies that interfaces hold together, as one.
