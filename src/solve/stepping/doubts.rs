@@ -27,6 +27,9 @@ pub(super) struct Doubt {
     is_of_lips: bool,
 }
 
+/// Displacements of more than so many times the size of the mesh are those of a mechanism.
+const ASTRAY: f64 = 1e7;
+
 /// Steps are cut for doubts that are not final down to so many of the smallest ones.
 const WORTH: f64 = 64.0;
 
@@ -43,6 +46,9 @@ impl Stepper<'_> {
     /// What speaks against the converged state at `time`, if anything. Collective.
     pub(super) fn doubt(&self, time: f64) -> Option<Doubt> {
         if let Some(words) = self.freed_bodies(time) {
+            return Some(Doubt { words, is_final: true, is_of_lips: false });
+        }
+        if let Some(words) = self.astray(time) {
             return Some(Doubt { words, is_final: true, is_of_lips: false });
         }
         let (problem, from) = (&self.problem, self.time);
@@ -66,6 +72,36 @@ impl Stepper<'_> {
             )
         };
         Some(Doubt { words, is_final: false, is_of_lips: !is_missed })
+    }
+
+    /// That displacements are far larger than the mesh and than those prescribed, in words: what
+    /// iterations make of a singular tangent, whose forces are then large enough to seem balanced.
+    /// Collective.
+    fn astray(&self, time: f64) -> Option<String> {
+        let all = &self.problem.all;
+        let (points, dim) = (&all.nodes.points, all.dim);
+        // The extent along x, y, z, and the largest displacements, prescribed and others.
+        let mut most = [f64::NEG_INFINITY; 8];
+        for node in 0..all.nodes.owned {
+            for i in 0..3 {
+                most[i] = most[i].max(points[node][i]);
+                most[3 + i] = most[3 + i].max(-points[node][i]);
+            }
+            for (c, u) in self.problem.displacement[node * dim..][..dim].iter().enumerate() {
+                let kind = if all.prescribed[node][c] { 6 } else { 7 };
+                most[kind] = most[kind].max(u.abs());
+            }
+        }
+        self.problem.comm.max(&mut most);
+        let size = (0..3).map(|i| most[i] + most[3 + i]).fold(0.0, f64::max);
+        let scale = size.max(most[6]);
+        (most[7] > ASTRAY * scale).then(|| {
+            format!(
+                "at time {time} the displacements reach {:.1e} m in a mesh of {size:.1e} m: nothing \
+                 holds some part of it; look for parts that can turn or slide, and hold them",
+                most[7]
+            )
+        })
     }
 
     /// That the converged state holds and has dissipated more energy than its loads can have given,
