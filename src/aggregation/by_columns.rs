@@ -3,13 +3,12 @@
 //! A sweep needs the entry that it has just written. So nothing is gathered: each column of a block
 //! is multiplied by its entry, in as many sums as the processor can keep going.
 
+use std::ops::Range;
+
 use crate::sparse::BlockRows;
 
 /// Numbers beyond the last block, which its last columns are read with.
 const SLACK: usize = 8;
-
-/// Beyond the last block of any row.
-pub const END: usize = u32::MAX as usize;
 
 /// Block rows, each block by its columns.
 pub struct ByColumns {
@@ -29,23 +28,25 @@ pub struct Blocks<'a> {
 }
 
 impl ByColumns {
-    /// The rows of `matrix`, rounded.
-    pub fn new(matrix: &BlockRows<f64>) -> Self {
+    /// Of the rows of `matrix`, rounded, the blocks at the places that `part` gives for a row.
+    pub fn new(matrix: &BlockRows<f64>, part: impl Fn(usize) -> Range<usize>) -> Self {
         let n = matrix.height;
-        let mut values = vec![0.0; matrix.values.len() + SLACK];
+        let count: usize = (0..matrix.len()).map(|i| part(i).len()).sum();
+        let (mut start, mut columns) = (vec![0], Vec::with_capacity(count));
+        let mut values = vec![0.0; count * n * n + SLACK];
         let mut block = vec![0.0; n * n];
-        let mut blocks = values.chunks_exact_mut(n * n);
         for i in 0..matrix.len() {
-            for place in 0..matrix.row(i).columns.len() {
+            for place in part(i) {
                 matrix.block(i, place, &mut block);
-                let Some(to) = blocks.next() else { continue };
+                let to = &mut values[columns.len() * n * n..][..n * n];
                 for (k, to) in to.iter_mut().enumerate() {
                     *to = block[k % n * n + k / n] as f32;
                 }
+                columns.push(matrix.row(i).columns[place]);
             }
+            start.push(columns.len());
         }
-        drop(blocks);
-        Self { size: n, start: matrix.start.clone(), columns: matrix.columns.clone(), values }
+        Self { size: n, start, columns, values }
     }
 
     /// Number of block rows.
@@ -53,11 +54,11 @@ impl ByColumns {
         self.start.len().saturating_sub(1)
     }
 
-    /// The blocks of a row from the place `from` up to `to`, or to its end.
+    /// The blocks of a row from the place `from` on.
     #[inline(always)]
-    pub fn blocks(&self, row: usize, from: usize, to: usize) -> Blocks<'_> {
-        let (first, end) = (self.start[row], self.start[row + 1]);
-        let (from, to) = ((first + from).min(end), (first + to).min(end));
+    pub fn blocks(&self, row: usize, from: usize) -> Blocks<'_> {
+        let (first, to) = (self.start[row], self.start[row + 1]);
+        let from = (first + from).min(to);
         let area = self.size * self.size;
         let values = &self.values[from * area..to * area + SLACK];
         Blocks { columns: &self.columns[from..to], values }
@@ -141,12 +142,16 @@ mod tests {
             let numbers = matrix.values.iter_mut().enumerate();
             numbers.for_each(|(k, value)| *value = ((k * 37) % 11) as f64 - 5.0);
             let x: Vec<f32> = (0..4 * N).map(|k| ((k * 5) % 7) as f32 - 3.0).collect();
-            let rows = ByColumns::new(&matrix);
             let mut block = vec![0.0; N * N];
             for (i, columns) in columns.iter().enumerate() {
-                for (from, to) in [(0, 9), (0, 1), (1, 9), (9, 9)] {
+                for (from, to, skip) in [(0, 9, 0), (0, 1, 0), (1, 9, 0), (0, 9, 1), (0, 9, 9)] {
+                    let part = |row: usize| {
+                        let end = matrix.row(row).columns.len();
+                        from.min(end)..to.min(end)
+                    };
+                    let rows = ByColumns::new(&matrix, part);
                     let mut expected = [0.0; N];
-                    for place in from..to.min(columns.len()) {
+                    for place in part(i).skip(skip) {
                         matrix.block(i, place, &mut block);
                         let x = &x[columns[place] as usize * N..][..N];
                         for (h, sum) in expected.iter_mut().enumerate() {
@@ -156,7 +161,7 @@ mod tests {
                     }
                     for way in [Way::Up, Way::Down] {
                         // Small whole numbers: exact in any order.
-                        assert_eq!(rows.blocks(i, from, to).times::<N, L>(&x, way), expected);
+                        assert_eq!(rows.blocks(i, skip).times::<N, L>(&x, way), expected);
                     }
                 }
             }

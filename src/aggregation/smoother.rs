@@ -5,7 +5,7 @@
 //! to them, on the diagonal, keep the sweeps convergent on any number of ranks (Baker, Falgout,
 //! Kolev and Yang, SIAM J. Sci. Comput. 33, 2011).
 
-use super::by_columns::{ByColumns, END, Way, with_size};
+use super::by_columns::{ByColumns, Way, with_size};
 use crate::simd::{self, Kernel};
 use crate::sparse::{BlockRows, Halo};
 
@@ -60,9 +60,9 @@ fn invert(block: &mut [f64], n: usize) -> bool {
 
 /// The matrix of a level with its sweeps, in single precision.
 pub struct Smoother {
-    rows: ByColumns,
-    /// Place of the block of the diagonal in each row.
-    diagonal: Vec<u32>,
+    /// Left of the diagonal, and from it on: a sweep reads each as a stream.
+    below: ByColumns,
+    above: ByColumns,
     /// Inverses of these blocks, with the extra numbers.
     inverse: Vec<f32>,
     /// What was added to the diagonal.
@@ -82,11 +82,11 @@ impl Smoother {
                 *extra = 0.5 * row[own * n..].iter().map(|a| a.abs()).sum::<f64>();
             }
         }
-        let place = |i| matrix.place(i, i as u32).expect("a diagonal block") as u32;
+        let place = |i| matrix.place(i, i as u32).expect("a diagonal block");
         let inverse = inverse_blocks(matrix, Some(&extra));
         Self {
-            rows: ByColumns::new(matrix),
-            diagonal: (0..matrix.len()).map(place).collect(),
+            below: ByColumns::new(matrix, |i| 0..place(i)),
+            above: ByColumns::new(matrix, |i| place(i)..matrix.row(i).columns.len()),
             inverse: inverse.into_iter().map(|a| a as f32).collect(),
             extra: extra.into_iter().map(|a| a as f32).collect(),
         }
@@ -130,15 +130,14 @@ struct Forward<'a> {
 impl Kernel for Forward<'_> {
     #[inline(always)]
     fn run(self) {
-        with_size!(self.of.rows, forward, self.of, self.b, self.x)
+        with_size!(self.of.below, forward, self.of, self.b, self.x)
     }
 }
 
 #[inline(always)]
 fn forward<const N: usize, const L: usize>(of: &Smoother, b: &[f32], x: &mut [f32]) {
-    for i in 0..of.rows.len() {
-        let below = of.rows.blocks(i, 0, of.diagonal[i] as usize);
-        let known = below.times::<N, L>(x, Way::Up);
+    for i in 0..of.below.len() {
+        let known = of.below.blocks(i, 0).times::<N, L>(x, Way::Up);
         let left = std::array::from_fn(|h| b[i * N + h] - known[h]);
         x[i * N..][..N].copy_from_slice(&apply::<N>(&of.inverse[i * N * N..][..N * N], left));
     }
@@ -153,15 +152,14 @@ struct Left<'a> {
 impl Kernel for Left<'_> {
     #[inline(always)]
     fn run(self) {
-        with_size!(self.of.rows, left, self.of, self.x, self.r)
+        with_size!(self.of.below, left, self.of, self.x, self.r)
     }
 }
 
 #[inline(always)]
 fn left<const N: usize, const L: usize>(of: &Smoother, x: &[f32], r: &mut [f32]) {
     for (i, r) in r.chunks_exact_mut(N).enumerate() {
-        let above = of.rows.blocks(i, of.diagonal[i] as usize + 1, END);
-        let beyond = above.times::<N, L>(x, Way::Up);
+        let beyond = of.above.blocks(i, 1).times::<N, L>(x, Way::Up);
         for h in 0..N {
             r[h] = of.extra[i * N + h] * x[i * N + h] - beyond[h];
         }
@@ -177,15 +175,16 @@ struct Backward<'a> {
 impl Kernel for Backward<'_> {
     #[inline(always)]
     fn run(self) {
-        with_size!(self.of.rows, backward, self.of, self.b, self.x)
+        with_size!(self.of.below, backward, self.of, self.b, self.x)
     }
 }
 
 #[inline(always)]
 fn backward<const N: usize, const L: usize>(of: &Smoother, b: &[f32], x: &mut [f32]) {
-    for i in (0..of.rows.len()).rev() {
-        let product = of.rows.blocks(i, 0, END).times::<N, L>(x, Way::Down);
-        let left = std::array::from_fn(|h| b[i * N + h] - product[h]);
+    for i in (0..of.below.len()).rev() {
+        let above = of.above.blocks(i, 0).times::<N, L>(x, Way::Down);
+        let below = of.below.blocks(i, 0).times::<N, L>(x, Way::Down);
+        let left = std::array::from_fn(|h| b[i * N + h] - above[h] - below[h]);
         let change = apply::<N>(&of.inverse[i * N * N..][..N * N], left);
         for h in 0..N {
             x[i * N + h] += change[h];

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 /// A mesh of unit squares at these places, scaled; nodes at one place are one. Groups: `foot` (the
 /// edges at y = 0), `side` (those of the first square at its right), `flap` (those of the last at
-/// its top).
+/// its top), `low` and `high` (those below squares at y = 1 and 2).
 fn scene(squares: &[[f64; 2]], scale: [f64; 2], moved: &[f64], boundary: &str) -> Scene {
     let mut points: Vec<[f64; 2]> = Vec::new();
     let mut cells = Vec::new();
@@ -31,12 +31,19 @@ fn scene(squares: &[[f64; 2]], scale: [f64; 2], moved: &[f64], boundary: &str) -
             elements.push(format!("1 2 1 1 {a} {b}"));
         }
     }
+    for (group, height) in [(5, 1.0), (6, 2.0)] {
+        for ([_, y], [_, _, c, d]) in squares.iter().zip(&cells) {
+            if y + 1.0 == height && squares.iter().any(|[_, y]| *y == height) {
+                elements.push(format!("1 2 {group} {group} {c} {d}"));
+            }
+        }
+    }
     let ([_, right, above, _], [_, _, last, left]) = (cells[0], cells[cells.len() - 1]);
     elements.push(format!("1 2 2 2 {right} {above}"));
     elements.push(format!("1 2 3 3 {last} {left}"));
     elements.extend(cells.iter().map(|[a, b, c, d]| format!("3 2 4 4 {a} {b} {c} {d}")));
     let mut text = format!(
-        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n4\n1 1 \"foot\"\n1 2 \"side\"\n1 3 \
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n6\n1 5 \"low\"\n1 6 \"high\"\n1 1 \"foot\"\n1 2 \"side\"\n1 3 \
          \"flap\"\n2 4 \"body\"\n$EndPhysicalNames\n$Nodes\n{}\n{nodes}$EndNodes\n$Elements\n{}\n",
         points.len(),
         elements.len()
@@ -85,6 +92,23 @@ fn parts_that_hang_on_nodes_are_refused() {
     assert!(failure.complaint.contains("can turn"), "{}", failure.complaint);
     let one = bridge(&[[1.0, 1.0], [2.0, 1.0], [3.0, 1.0]]);
     assert!(one.is_ok(), "{}", one.err().map_or_else(String::new, |f| f.complaint));
+}
+
+/// Bodies that hold each other are not held by that: the rest breaks, and they slide together.
+#[test]
+fn bodies_that_can_only_move_together_are_found() {
+    let stack = [[0.0, 0.0], [0.0, 1.0], [0.0, 2.0]];
+    let laws = "\ninterfaces:\n  - {name: low, on: low, law: {linear_softening: {strength: 1.0e6, \
+                fracture_energy: 9000}}}\n  - {name: high, on: high, law: {tied: {}}}\n# ";
+    let lift = format!(", {{on: flap, displacement: {{y: {{formula: \"3e-2*t\"}}}}}}]{laws}");
+    let scene = scene(&stack, [1.0; 2], &[], &lift).set("boundary.1.traction={x: 0}");
+    for ranks in [1, 2] {
+        let failure = scene.attempt(ranks).err().expect("a mechanism");
+        assert_eq!(failure.status, Some(3), "{}", failure.complaint);
+        for words in ["bodies 2, 3 can move freely together", "translation along x"] {
+            assert!(failure.complaint.contains(words), "{}", failure.complaint);
+        }
+    }
 }
 
 /// Sides that are even up to rounding carry their tractions.

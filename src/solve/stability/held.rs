@@ -14,6 +14,9 @@ const FREE: f64 = 1e-12;
 /// where it is free by itself.
 const NAMED: [f64; 2] = [1e-6, 1.0 - 1e-6];
 
+/// Bodies take part in a motion that is more than this part of the most that it moves one by.
+const MOVED: f64 = 1e-3;
+
 /// Cohesion is gone where the damage differs from 1 by less: what is left of it is below the usual
 /// tolerance of forces.
 const LEFT: f64 = 1e-9;
@@ -76,7 +79,35 @@ pub fn free_motions(
             ));
         }
     }
+    if let ([first, ..], true) = (&free[..], sentences.is_empty()) {
+        // Bodies that hold each other, but are not held: none has a free motion by itself.
+        sentences.push(together(
+            case,
+            mesh,
+            bodies.motions,
+            &eigenvectors.column(*first).as_slice(),
+        ));
+    }
     sentences
+}
+
+/// A motion that bodies can only make together, in words: by the one that it moves most.
+fn together(case: &Case, mesh: &MeshFacts, motions: &[usize], motion: &[f64]) -> String {
+    let of_body = |body: usize| &motion[body * motions.len()..][..motions.len()];
+    let size = |body: usize| of_body(body).iter().map(|m| m * m).sum::<f64>().sqrt();
+    let most = (0..mesh.bodies).max_by(|i, j| size(*i).total_cmp(&size(*j))).unwrap_or_default();
+    let moved: Vec<usize> =
+        (0..mesh.bodies).filter(|body| size(*body) > MOVED * size(most)).collect();
+    let part = of_body(most).iter().zip(motions);
+    let part = part.max_by(|(a, _), (b, _)| a.abs().total_cmp(&b.abs()));
+    let numbers: Vec<String> = moved.iter().map(|body| (body + 1).to_string()).collect();
+    format!(
+        "bodies {} can move freely together: body {} ({}) by a {}",
+        numbers.join(", "),
+        most + 1,
+        case.place_of_body(most),
+        part.map_or_else(String::new, |(_, number)| name(*number))
+    )
 }
 
 /// Whether a point of an interface holds a component of the displacement.
