@@ -85,7 +85,7 @@ pub fn free_motions(
             case,
             mesh,
             bodies.motions,
-            &eigenvectors.column(*first).as_slice(),
+            eigenvectors.column(*first).as_slice(),
         ));
     }
     sentences

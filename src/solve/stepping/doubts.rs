@@ -82,10 +82,10 @@ impl Stepper<'_> {
         let (points, dim) = (&all.nodes.points, all.dim);
         // The extent along x, y, z, and the largest displacements, prescribed and others.
         let mut most = [f64::NEG_INFINITY; 8];
-        for node in 0..all.nodes.owned {
+        for (node, point) in points.iter().enumerate().take(all.nodes.owned) {
             for i in 0..3 {
-                most[i] = most[i].max(points[node][i]);
-                most[3 + i] = most[3 + i].max(-points[node][i]);
+                most[i] = most[i].max(point[i]);
+                most[3 + i] = most[3 + i].max(-point[i]);
             }
             for (c, u) in self.problem.displacement[node * dim..][..dim].iter().enumerate() {
                 let kind = if all.prescribed[node][c] { 6 } else { 7 };
