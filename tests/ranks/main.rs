@@ -12,6 +12,7 @@ mod comm;
 mod common;
 mod linear_algebra;
 mod newton;
+mod slabs;
 mod tangent;
 
 use column_hpc::runtime::Runtime;
@@ -45,6 +46,7 @@ const TESTS: &[Test] = &[
     ("tangent_in_refined_meshes", tangent::tangent_in_refined_meshes),
     ("aggregation_of_a_slender_beam", aggregation::of_a_slender_beam),
     ("aggregation_without_couplings", aggregation::without_couplings),
+    ("slabs_are_those_read_whole", slabs::are_those_read_whole),
     ("log_stages", linear_algebra::log_stages),
 ];
 

@@ -3,12 +3,17 @@
 use super::view::View;
 
 /// The body of each cell, numbered by their first cells, and how many there are.
-pub fn bodies(view: View<'_>) -> (Vec<u32>, usize) {
-    let mut roots: Vec<u32> = (0..view.points.len() as u32).collect();
-    for cell in 0..view.shapes.len() {
-        let nodes = view.cell_nodes(cell);
-        let mut one = root(&mut roots, nodes[0]);
-        for node in &nodes[1..] {
+///
+/// # Arguments
+/// * `add` puts the nodes of a cell, all of them below `nodes`, into a list
+pub fn bodies(nodes: usize, cells: usize, add: impl Fn(usize, &mut Vec<u32>)) -> (Vec<u32>, usize) {
+    let mut roots: Vec<u32> = (0..nodes as u32).collect();
+    let mut of_cell = Vec::new();
+    for cell in 0..cells {
+        of_cell.clear();
+        add(cell, &mut of_cell);
+        let mut one = root(&mut roots, of_cell[0]);
+        for node in &of_cell[1..] {
             let other = root(&mut roots, *node);
             // The lower root wins, so that paths stay short and the result is the same always.
             let (low, high) = (one.min(other), one.max(other));
@@ -19,9 +24,11 @@ pub fn bodies(view: View<'_>) -> (Vec<u32>, usize) {
     let none = u32::MAX;
     let mut names = vec![none; roots.len()];
     let mut count = 0;
-    let mut bodies = Vec::with_capacity(view.shapes.len());
-    for cell in 0..view.shapes.len() {
-        let name = &mut names[root(&mut roots, view.cell_nodes(cell)[0]) as usize];
+    let mut bodies = Vec::with_capacity(cells);
+    for cell in 0..cells {
+        of_cell.clear();
+        add(cell, &mut of_cell);
+        let name = &mut names[root(&mut roots, of_cell[0]) as usize];
         if *name == none {
             *name = count;
             count += 1;
@@ -29,6 +36,12 @@ pub fn bodies(view: View<'_>) -> (Vec<u32>, usize) {
         bodies.push(*name);
     }
     (bodies, count as usize)
+}
+
+/// Those of the cells of a view.
+pub fn bodies_of(view: View<'_>) -> (Vec<u32>, usize) {
+    let add = |cell: usize, nodes: &mut Vec<u32>| nodes.extend_from_slice(view.cell_nodes(cell));
+    bodies(view.points.len(), view.shapes.len(), add)
 }
 
 /// The node that stands for the body of a node.
