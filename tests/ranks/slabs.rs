@@ -124,3 +124,41 @@ pub fn are_those_read_whole(runtime: &Runtime) {
         }
     }
 }
+
+/// Prints what the import of a file with the groups `rock`, `bottom` and `top` takes: seconds, and
+/// by rank the most memory beyond what there was before, against the arrays of the part (MB).
+pub fn measure(runtime: &Runtime, words: &[String]) {
+    let (comm, path) = (&runtime.comm, &words[0]);
+    let options = words.get(1).map_or("", String::as_str);
+    let case = case_of(path, options, ROCK, "", &["bottom", "top"]);
+    let import = if words.len() > 2 { Import::Whole } else { Import::Auto };
+    comm.barrier();
+    let (before, start) = (most_memory(), std::time::Instant::now());
+    let part = read(comm, &case, import, Method::Metis).expect("a mesh");
+    comm.barrier();
+    let seconds = start.elapsed().as_secs_f64();
+    let taken = most_memory() - before;
+    let mesh = &part.mesh;
+    let nodes: usize = (0..mesh.cells.len()).map(|cell| 4 * mesh.cell_nodes(cell).len()).sum();
+    let of_node = size_of::<(u64, [f64; 3])>() + size_of::<column_hpc::mesh::Marks>();
+    let bytes = 16 * mesh.cells.len() + nodes + of_node * mesh.nodes.names.len();
+    let of_rank = [taken, bytes as f64 / 1e6, mesh.cells.len() as f64];
+    for (rank, of_rank) in comm.gather(&of_rank).into_iter().flatten().enumerate() {
+        let [taken, bytes, cells] = of_rank[..] else { continue };
+        println!(
+            "{seconds:.1} s; rank {rank}: {taken:.0} MB for {bytes:.0} MB, {cells} cells: {:.2}",
+            taken / bytes
+        );
+    }
+    if comm.is_root() {
+        part.remarks.iter().for_each(|words| println!("{words}"));
+    }
+}
+
+/// The most memory that this process has had (MB).
+fn most_memory() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").expect("a file of Linux");
+    let line = status.lines().find(|line| line.starts_with("VmHWM")).expect("a line");
+    let number = line.split_whitespace().nth(1).and_then(|kb| kb.parse::<f64>().ok());
+    number.expect("a number") * 1.024e-3
+}
