@@ -2,7 +2,8 @@
 //!
 //! Started by `cargo test`, the program launches itself under `mpirun`; there it runs the functions
 //! of the lists below in their order, the same on every rank. A word on the command line chooses
-//! the tests whose names contain it.
+//! the tests whose names contain it. `mpirun -n N PROGRAM under-mpirun import FILE` measures the
+//! import of a mesh.
 
 #![allow(clippy::print_stdout)] // the runner's own report
 
@@ -149,6 +150,10 @@ fn inside(args: &[String]) {
                     println!("{name} ok");
                 }
             }
+            runtime.exit(0)
+        }
+        "import" => {
+            slabs::measure(&runtime, &args[1..]);
             runtime.exit(0)
         }
         way => end_badly(runtime, way),
