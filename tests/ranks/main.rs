@@ -48,6 +48,7 @@ const TESTS: &[Test] = &[
     ("aggregation_of_a_slender_beam", aggregation::of_a_slender_beam),
     ("aggregation_without_couplings", aggregation::without_couplings),
     ("slabs_are_those_read_whole", slabs::are_those_read_whole),
+    ("slabs_tell_damage_alike", slabs::damage_is_told_alike),
     ("log_stages", linear_algebra::log_stages),
 ];
 

@@ -61,6 +61,11 @@ const MESHES: &[Given] = &[
     ("turned/mixed-pair.msh", "", BOTH, "between: [below, above]", &["foot", "head"], ""),
     ("turned/tet4-apart.msh", ", raise_order: 2", BOTH, "between: [above, below]", &["foot"], ""),
     ("turned/hex27-apart.msh", "", PAIR, "between: [below, above]", &["foot", "head"], ""),
+    ("med_tet4_version3.med", ", raise_order: 2", ROCK, "", &["skin"], ""),
+    ("med_tet10.med", "", ROCK, "", &["skin"], ""),
+    ("med_hex20.med", "", ROCK, "", &["skin"], ""),
+    ("med_plane2.med", "", ROCK, "", &["rim"], ""),
+    ("med_hex8.med", "", ROCK, "", &["top", "edge"], "groups of nodes"),
 ];
 
 fn case((mesh, options, materials, place, held, _): &Given) -> Case {
@@ -122,6 +127,53 @@ pub fn are_those_read_whole(runtime: &Runtime) {
         for (field, value) in fields {
             assert!(*value == slabs[field], "{name}: {field}: {value} and {}", slabs[field]);
         }
+    }
+}
+
+/// A damaged file is refused in the words of the one who reads it whole, on all ranks; or it is the
+/// same mesh.
+pub fn damage_is_told_alike(runtime: &Runtime) {
+    let comm = &runtime.comm;
+    let directory = std::env::temp_dir().join(format!("column-hpc-slabs-{}", comm.size()));
+    for (name, held) in [
+        ("square-4.1.msh", "left"),
+        ("interfaces/corner.msh", "x0"),
+        ("tet10-4.1-binary.msh", "left"),
+        ("turned/tet4-apart.msh", "foot"),
+        ("med_tet10.med", "skin"),
+    ] {
+        let whole = std::fs::read(format!("{}/tests/meshes/{name}", env!("CARGO_MANIFEST_DIR")));
+        let whole = whole.expect("a file of ours");
+        let file = directory.join(name.replace('/', "-"));
+        for way in 0..10 {
+            let mut bytes = whole.clone();
+            let at = (2 * way + 1) * bytes.len() / 20;
+            match way % 2 {
+                0 => bytes.truncate(at),
+                // HDF5 itself is not to be tested.
+                _ if name.ends_with("med") => continue,
+                _ => bytes[at] = bytes[at].wrapping_add(3),
+            }
+            let write = || {
+                std::fs::create_dir_all(&directory).expect("a temporary directory");
+                std::fs::write(&file, &bytes).expect("a file");
+            };
+            if comm.is_root() {
+                write();
+            }
+            comm.barrier();
+            let case = case_of(&file.to_string_lossy(), "", ROCK, "", &[held]);
+            let read = |import| {
+                let part = read(comm, &case, import, Method::Scattered);
+                part.map(|part| (part.facts, part.mesh.cells))
+            };
+            let both = [read(Import::Whole), read(Import::Slabs)];
+            assert_eq!(both[0], both[1], "{name}, way {way}");
+            comm.barrier();
+        }
+    }
+    if comm.is_root() {
+        std::fs::remove_dir_all(&directory).expect("a directory of ours");
     }
 }
 

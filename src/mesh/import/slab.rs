@@ -64,6 +64,11 @@ pub trait Pieces {
     /// `Input` for copies that are none of one element in several groups.
     fn join(&self, blocks: &mut [Block], sets: &mut Vec<SetOfTags>) -> Result<()>;
 
+    /// The place of a kind among all, by which cells are numbered.
+    fn order(&self, kind: Kind) -> usize {
+        kind as usize
+    }
+
     /// What is to be said of nodes of no element and of groups, which have so many elements.
     fn remarks(&self, orphans: u64, groups: &[Group], counts: &[usize]) -> Vec<String>;
 }

@@ -27,6 +27,16 @@ const MOST_CLUSTERS: u64 = 1 << 17;
 /// Cells of a piece.
 const PIECE: f64 = 32_768.0;
 
+/// Debug.
+pub fn hwm(what: &str) {
+    if std::env::var("HWM").is_err() {
+        return;
+    }
+    let status = std::fs::read_to_string("/proc/self/status").unwrap();
+    let get = |k: &str| status.lines().find(|l| l.starts_with(k)).unwrap().split_whitespace().nth(1).unwrap().parse::<f64>().unwrap() / 1000.0;
+    eprintln!("HWM {what}: now {:.0} most {:.0}", get("VmRSS"), get("VmHWM"));
+}
+
 /// Makes the meshes of a case of what was read. Collective.
 ///
 /// # Errors
@@ -44,25 +54,34 @@ pub fn family(
     let shapes = head.shapes(is_raised)?;
     let mut said = file.remarks(orphans[0], &head.groups, &head.counts);
     said.extend(orphans_of_cells(orphans[1] as usize));
+    hwm("start");
     let held = {
         let keys = curve::keys(comm, &homes, &cells, &points, ends);
+        hwm("keys");
         let (labels, list, at_nodes) = share(comm, &head, &homes, &cells, keys, method)?;
+        hwm("share");
         spread(comm, &homes, &head, cells, &labels, (&list, &at_nodes))
     };
+    hwm("spread");
     let all = held.nodes.iter().chain(&held.far.2).copied();
     let names = Numbers::of(0, homes.total(), all);
     let of_names = homes.fetch(comm, names.iter(), |place| points[place]);
+    hwm("fetched");
     let skeleton = skeleton(comm, &head, request, &held, &homes, &points)?;
     drop(points);
+    hwm("skeleton");
     let mut work = Work::new(names, of_names);
     let (of_cells, bodies_before) = bodies_before(comm, &held, &work)?;
+    hwm("bodies");
     let start = starts(&head, &held, &shapes);
     let cuts = skeleton.cuts();
     comm.agree(work.make(&head, &held, &start, is_raised, &cuts))?;
+    hwm("pieces");
     let centres = head.centres(is_raised)?;
     let naming = Naming::new(comm, &homes, &head, &centres, &mut work)?;
     said.extend(remarks(&head, &shapes, is_raised));
     said.extend(skeleton.remarks.iter().cloned());
+    hwm("naming");
     let materials = comm.agree(materials(&head, request, &held))?;
     let names: Vec<u32> = work.fresh.iter().map(|fresh| naming.name(&head, fresh.key)).collect();
     let finish = Finish { comm, head: &head, shapes: &shapes, naming: &naming, names: &names };
@@ -77,15 +96,20 @@ pub fn family(
         .zip(&names)
         .map(|(fresh, name)| (fresh.key.sector() == 0).then_some(*name))
         .collect();
+    hwm("star");
     doubled::check(comm, &work, &uncut, ends[0], &star.between(&cut))?;
     if bodies_before > 1 {
         finish.touching(&held, &work, &start, (&of_cells, &between), is_raised)?;
     }
+    hwm("doubled");
     let is_cut = !naming.origins.is_empty();
     let known = (!is_cut).then_some((of_cells, bodies_before));
     let (part, body_count) = finish.part(held, work, start, materials, known)?;
+    hwm("part");
     let facts = finish.facts(case, &part, &mut star, body_count)?;
+    hwm("facts");
     let mesh = LocalMesh::of_part(part, facts, &star);
+    hwm("local");
     Ok(MeshFamily::in_slabs(mesh, comm.is_root().then_some(star.mesh), said))
 }
 

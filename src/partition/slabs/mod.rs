@@ -25,10 +25,10 @@ mod spread;
 use crate::case::{Case, FileSpec, Linear};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
-use crate::mesh::MeshFamily;
 use crate::mesh::import::Pieces;
 use crate::mesh::import::gmsh::{Layout, OpenFile, Slabs};
-use crate::mesh::request;
+use crate::mesh::import::med;
+use crate::mesh::{MeshFamily, is_med, request};
 use crate::partition::journey::{pack, unpack};
 use crate::partition::method::{Import, Method};
 
@@ -52,39 +52,38 @@ pub fn family(
     method: Method,
 ) -> Result<Option<MeshFamily>> {
     let Some(file) = case.mesh.file() else { return Ok(None) };
-    let Some(layout) = layout(comm, file, import)? else { return Ok(None) };
+    let Some(pieces) = open(comm, file, import)? else { return Ok(None) };
     if case.mesh.refine > 0 {
         return Err(Error::Input("it is refined".into()));
     }
     if case.solver.linear == Linear::Multigrid {
         return Err(Error::Input("multigrid is asked for".into()));
     }
-    let source = comm.agree(OpenFile::new(&file.path))?;
     let request = comm.agree(request(case, file))?;
-    let pieces = Slabs { layout, source };
-    let read = shared::read(comm, &pieces, &request)?;
-    finish::family(comm, case, &request, method, read, &pieces).map(Some)
+    let read = shared::read(comm, &*pieces, &request)?;
+    finish::family(comm, case, &request, method, read, &*pieces).map(Some)
 }
 
-/// Where what stands in a file that is to be read in slabs. Collective.
-fn layout(comm: &Comm, file: &FileSpec, import: Import) -> Result<Option<Layout>> {
-    let is_med = crate::mesh::is_med(&file.path);
-    if import == Import::Whole || is_med {
+/// Opens a file that is to be read in slabs. Collective.
+fn open(comm: &Comm, file: &FileSpec, import: Import) -> Result<Option<Box<dyn Pieces>>> {
+    let is_forced = import == Import::Slabs;
+    let length = || std::fs::metadata(&file.path).map_or(0, |about| about.len());
+    let is_wanted = |rows: u64| is_forced || rows > MANY;
+    let is_long = is_forced || import == Import::Auto && length() >= MANY * LEAST_BYTES;
+    if !comm.any(comm.is_root() && is_long) {
         return Ok(None);
     }
-    let scan = || -> Result<Option<Layout>> {
-        let source = OpenFile::new(&file.path)?;
-        let is_forced = import == Import::Slabs;
-        if !is_forced && crate::mesh::import::gmsh::Source::length(&source) < MANY * LEAST_BYTES {
-            return Ok(None);
-        }
-        let layout = Layout::of(&source, if is_forced { FEW_ROWS } else { ROWS })?;
-        Ok((is_forced || layout.rows() > MANY).then_some(layout))
-    };
-    let found = if comm.is_root() { scan() } else { Ok(None) };
-    let found = comm.agree(found)?;
-    let bytes = comm.broadcast_bytes(comm.agree(pack(&found))?);
-    comm.agree(unpack(&bytes))
+    let rows = if is_forced { FEW_ROWS } else { ROWS };
+    if is_med(&file.path) {
+        let slabs = comm.agree(med::Slabs::open(&file.path, rows as usize))?;
+        return Ok(is_wanted(slabs.rows()).then(|| Box::new(slabs) as Box<dyn Pieces>));
+    }
+    let source = comm.agree(OpenFile::new(&file.path))?;
+    let layout = if comm.is_root() { Layout::of(&source, rows).map(Some) } else { Ok(None) };
+    let layout = comm.agree(layout)?.filter(|layout| is_wanted(layout.rows()));
+    let bytes = comm.broadcast_bytes(comm.agree(pack(&layout))?);
+    let layout: Option<Layout> = comm.agree(unpack(&bytes))?;
+    Ok(layout.map(|layout| Box::new(Slabs { layout, source }) as Box<dyn Pieces>))
 }
 
 /// The pieces of a file.

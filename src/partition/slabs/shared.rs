@@ -36,6 +36,7 @@ pub struct Read {
 /// `Input` on all ranks.
 pub fn read(comm: &Comm, pieces: File<'_>, request: &Request) -> Result<Read> {
     let mut slab = read_slab(comm, pieces)?;
+    super::finish::hwm("read");
     let mut own: BTreeMap<Kind, u64> = BTreeMap::new();
     for elements in &slab.elements {
         *own.entry(elements.kind).or_default() += elements.sets.len() as u64;
@@ -46,18 +47,19 @@ pub fn read(comm: &Comm, pieces: File<'_>, request: &Request) -> Result<Read> {
     if dim < 2 {
         return Err(Error::Input("there are no cells in it".into()));
     }
-    let (kinds, next) = kinds(&counts, dim, comm.rank() as usize);
+    let (kinds, next) = kinds(&counts, pieces, dim, comm.rank() as usize);
     let nodes_of = |range: &KindRange| range.count as usize * range.kind.nodes();
     check_size(kinds.iter().map(nodes_of).sum())?;
     drop_points(&mut slab);
     let Named { homes, mut points, orphans } = name_nodes(comm, &mut slab, dim)?;
+    super::finish::hwm("named");
     if homes.total() >= 1 << 31 {
         return Err(Error::Input("there are too many nodes".into()));
     }
     let ends = scale(comm, &mut points, request.scale, dim)?;
     let of_cells = |elements: &Elements| elements.kind.dim() == dim;
     let (of_cells, below): (Vec<_>, Vec<_>) = slab.elements.into_iter().partition(of_cells);
-    let mut below = gather(comm, &below)?;
+    let mut below = gather(comm, &below, pieces)?;
     comm.agree(pieces.join(&mut below, &mut slab.sets))?;
     let (groups, sets) = comm.agree(pieces.groups(slab.sets))?;
     let mut of_sets = vec![0.0; sets.len()];
@@ -86,10 +88,15 @@ fn drop_points(slab: &mut Slab) {
 }
 
 /// The kinds of cells, and the name of the first cell of each on a rank.
-fn kinds(counts: &[BTreeMap<Kind, u64>], dim: usize, rank: usize) -> (Vec<KindRange>, Vec<u32>) {
+fn kinds(
+    counts: &[BTreeMap<Kind, u64>],
+    pieces: File<'_>,
+    dim: usize,
+    rank: usize,
+) -> (Vec<KindRange>, Vec<u32>) {
     let mut all: Vec<Kind> = counts.iter().flat_map(BTreeMap::keys).copied().collect();
     all.retain(|kind| kind.dim() == dim);
-    all.sort_unstable();
+    all.sort_unstable_by_key(|kind| (pieces.order(*kind), *kind));
     all.dedup();
     let (mut kinds, mut next, mut first) = (Vec::new(), Vec::new(), 0);
     for kind in all {
@@ -123,7 +130,7 @@ fn scale(comm: &Comm, points: &mut [[f64; 3]], scale: f64, dim: usize) -> Result
 }
 
 /// Elements in groups of all ranks by kind, in the order of the file. Collective.
-fn gather(comm: &Comm, below: &[Elements]) -> Result<Vec<Block>> {
+fn gather(comm: &Comm, below: &[Elements], pieces: File<'_>) -> Result<Vec<Block>> {
     let mut own: Vec<(Kind, Vec<u32>, Vec<u32>)> = Vec::new();
     for elements in below {
         if own.last().is_none_or(|(kind, ..)| *kind != elements.kind) {
@@ -144,5 +151,7 @@ fn gather(comm: &Comm, below: &[Elements]) -> Result<Vec<Block>> {
         block.nodes.extend(nodes);
         block.groups.extend(groups);
     }
-    Ok(blocks.into_values().collect())
+    let mut blocks: Vec<Block> = blocks.into_values().collect();
+    blocks.sort_by_key(|block| pieces.order(block.kind));
+    Ok(blocks)
 }

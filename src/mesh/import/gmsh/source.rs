@@ -86,9 +86,9 @@ pub trait Source {
     }
 }
 
-impl Source for [u8] {
+impl Source for &[u8] {
     fn length(&self) -> u64 {
-        self.len() as u64
+        (**self).len() as u64
     }
 
     fn fill(&self, at: u64, buffer: &mut [u8]) -> Result<()> {
