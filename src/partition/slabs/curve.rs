@@ -7,35 +7,44 @@ use crate::comm::Comm;
 /// Bits of a coordinate on the curve.
 const BITS: u32 = 21;
 
-/// The place on the curve of each cell of this rank. Collective.
-///
-/// # Arguments
-/// * `points` that this rank keeps (m), and the least and the largest coordinates of all
-pub fn keys(
-    comm: &Comm,
-    homes: &Homes,
-    cells: &Cells,
-    points: &[[f64; 3]],
-    [low, high]: [[f64; 3]; 2],
-) -> Vec<u64> {
-    let size = (0..3).map(|i| high[i] - low[i]).fold(f64::MIN_POSITIVE, f64::max);
-    let most = ((1_u64 << BITS) - 1) as f64;
-    let packed = |place: usize| {
-        let at = |i: usize| ((points[place][i] - low[i]) / size * most) as u64;
-        [at(0) | at(1) << BITS | at(2) << (2 * BITS)]
-    };
-    let packed = homes.fetch(comm, cells.names.iter(), packed);
-    let mask = (1_u64 << BITS) - 1;
-    let key = |nodes: &[u32]| {
+/// The places of nodes on the way along the curve.
+pub struct Curve {
+    /// Of each node of this rank, its coordinates as whole numbers side by side.
+    packed: Vec<[u64; 1]>,
+}
+
+impl Curve {
+    /// Collective.
+    ///
+    /// # Arguments
+    /// * `points` that this rank keeps (m), and the least and the largest coordinates of all
+    pub fn new(
+        comm: &Comm,
+        homes: &Homes,
+        cells: &Cells,
+        points: &[[f64; 3]],
+        [low, high]: [[f64; 3]; 2],
+    ) -> Self {
+        let size = (0..3).map(|i| high[i] - low[i]).fold(f64::MIN_POSITIVE, f64::max);
+        let most = ((1_u64 << BITS) - 1) as f64;
+        let packed = |place: usize| {
+            let at = |i: usize| ((points[place][i] - low[i]) / size * most) as u64;
+            [at(0) | at(1) << BITS | at(2) << (2 * BITS)]
+        };
+        Self { packed: homes.fetch(comm, cells.names.iter(), packed) }
+    }
+
+    /// The place of the middle of a cell with these nodes.
+    pub fn key(&self, cells: &Cells, nodes: &[u32]) -> u64 {
+        let mask = (1_u64 << BITS) - 1;
         let mut sums = [0; 3];
         for node in nodes {
-            let [place] = packed[cells.names.place(*node).unwrap_or_default()];
+            let [place] = self.packed[cells.names.place(*node).unwrap_or_default()];
             (0..3).for_each(|i| sums[i] += place >> (i as u32 * BITS) & mask);
         }
         let spread = sums.map(|sum| spread(sum / nodes.len() as u64));
         spread[0] | spread[1] << 1 | spread[2] << 2
-    };
-    cells.iter().map(|cell| key(cell.nodes)).collect()
+    }
 }
 
 /// A coordinate with two zeros between its bits.
@@ -43,12 +52,11 @@ fn spread(x: u64) -> u64 {
     (0..BITS).fold(0, |all, bit| all | (x >> bit & 1) << (3 * bit))
 }
 
-/// The beginnings, after the first one, of pieces of the curve with about as many cells each. They
+/// The beginnings, after the first one, of pieces of the curve, on which cells have some places, with about as many cells each. They
 /// do not depend on how the cells are shared out. Collective.
-pub fn cuts(comm: &Comm, keys: &[u64], pieces: u64) -> Vec<u64> {
-    let mut sorted = keys.to_vec();
+pub fn cuts(comm: &Comm, mut sorted: Vec<u64>, pieces: u64) -> Vec<u64> {
     sorted.sort_unstable();
-    let total = comm.sum_u64(keys.len() as u64);
+    let total = comm.sum_u64(sorted.len() as u64);
     let wanted: Vec<f64> = (1..pieces)
         .map(|i| (u128::from(i) * u128::from(total) / u128::from(pieces)) as f64)
         .collect();

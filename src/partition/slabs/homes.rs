@@ -6,6 +6,9 @@ use crate::comm::Comm;
 use crate::error::Result;
 use crate::partition::journey::everywhere;
 
+/// Names that are told or asked for at once, so that little memory is taken.
+const STEP: usize = 1 << 15;
+
 /// Ranges of names, one for each rank.
 #[derive(Debug, Clone)]
 pub struct Homes {
@@ -38,23 +41,28 @@ impl Homes {
         (rank, (name - self.firsts[rank]) as u32)
     }
 
-    /// What is told of names, to their homes: by sender, with the places there. Collective.
+    /// What is told of names, at their homes, with the places there. Collective.
     pub fn send<T: Equivalence + Copy + Default>(
         &self,
         comm: &Comm,
         rows: impl Iterator<Item = (u32, T)>,
-    ) -> Vec<Vec<(u32, T)>> {
-        let mut places = vec![Vec::new(); comm.size() as usize];
-        let mut values = vec![Vec::new(); comm.size() as usize];
-        for (name, value) in rows {
-            let (rank, place) = self.of(name);
-            places[rank].push(place);
-            values[rank].push(value);
+    ) -> Vec<(u32, T)> {
+        let mut rows = rows.peekable();
+        let mut told = Vec::new();
+        loop {
+            let mut places = vec![Vec::new(); comm.size() as usize];
+            let mut values = vec![Vec::new(); comm.size() as usize];
+            for (name, value) in rows.by_ref().take(STEP) {
+                let (rank, place) = self.of(name);
+                places[rank].push(place);
+                values[rank].push(value);
+            }
+            let places = comm.exchange(&places).into_iter().flatten();
+            told.extend(places.zip(comm.exchange(&values).into_iter().flatten()));
+            if !comm.any(rows.peek().is_some()) {
+                return told;
+            }
         }
-        let places = comm.exchange(&places);
-        let values = comm.exchange(&values);
-        let pairs = places.into_iter().zip(values);
-        pairs.map(|(places, values)| places.into_iter().zip(values).collect()).collect()
     }
 
     /// What the homes know of names that rise, in their order. Collective.
@@ -64,19 +72,25 @@ impl Homes {
         names: impl Iterator<Item = u32>,
         value: impl Fn(usize) -> [T; N],
     ) -> Vec<[T; N]> {
-        let mut asked = vec![Vec::new(); comm.size() as usize];
-        for name in names {
-            let (rank, place) = self.of(name);
-            asked[rank].push(place);
+        let mut names = names.peekable();
+        let mut found = Vec::new();
+        loop {
+            let mut asked = vec![Vec::new(); comm.size() as usize];
+            for name in names.by_ref().take(STEP) {
+                let (rank, place) = self.of(name);
+                asked[rank].push(place);
+            }
+            let answer = |places: &Vec<u32>| {
+                let mut words = Vec::with_capacity(N * places.len());
+                places.iter().for_each(|place| words.extend(value(*place as usize)));
+                words
+            };
+            let answers: Vec<Vec<T>> = comm.exchange(&asked).iter().map(answer).collect();
+            let answers = comm.exchange(&answers);
+            found.extend(answers.iter().flat_map(|words| words.as_chunks::<N>().0).copied());
+            if !comm.any(names.peek().is_some()) {
+                return found;
+            }
         }
-        let asked = comm.exchange(&asked);
-        let answer = |places: &Vec<u32>| {
-            let mut words = Vec::with_capacity(N * places.len());
-            places.iter().for_each(|place| words.extend(value(*place as usize)));
-            words
-        };
-        let answers: Vec<Vec<T>> = asked.iter().map(answer).collect();
-        drop(asked);
-        comm.exchange(&answers).iter().flat_map(|words| words.as_chunks::<N>().0).copied().collect()
     }
 }

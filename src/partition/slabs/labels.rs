@@ -36,16 +36,17 @@ impl AtNodes {
             (names.peek().map_or(0, |(name, _)| *name), *pair as u32)
         });
         let told = homes.send(comm, rows);
+        drop(pairs);
         let own = homes.firsts[comm.rank() as usize..][..2].to_vec();
         Self::of((own[1] - own[0]) as usize, &told)
     }
 
-    fn of(nodes: usize, told: &[Vec<(u32, u32)>]) -> Self {
+    fn of(nodes: usize, told: &[(u32, u32)]) -> Self {
         let mut start = vec![0_u32; nodes + 1];
-        told.iter().flatten().for_each(|(node, _)| start[*node as usize + 1] += 1);
+        told.iter().for_each(|(node, _)| start[*node as usize + 1] += 1);
         (0..nodes).for_each(|node| start[node + 1] += start[node]);
         let (mut next, mut labels) = (start.clone(), vec![0; start[nodes] as usize]);
-        for (node, label) in told.iter().flatten() {
+        for (node, label) in told.iter() {
             labels[next[*node as usize] as usize] = *label;
             next[*node as usize] += 1;
         }
@@ -93,10 +94,9 @@ impl AtNodes {
         let mut pairs = Vec::new();
         for node in 0..self.start.len() - 1 {
             let labels = self.at(node);
-            for (i, one) in labels.iter().enumerate() {
-                let both = labels.iter().filter(|other| *other != one);
-                pairs.extend(both.map(|other| u64::from(*one) << 32 | u64::from(*other)));
-                debug_assert!(i < labels.len());
+            for one in labels {
+                let others = labels.iter().filter(|other| *other != one);
+                pairs.extend(others.map(|other| u64::from(*one) << 32 | u64::from(*other)));
             }
         }
         pairs.sort_unstable();

@@ -18,7 +18,9 @@ mod labels;
 mod names;
 mod naming;
 mod pieces;
+mod part;
 mod read;
+mod share;
 mod shared;
 mod spread;
 

@@ -39,7 +39,7 @@ impl Naming {
         let told = [homes.send(comm, of(0)), homes.send(comm, of(1))];
         for (i, told) in told.iter().enumerate() {
             // The ranks that tell of a node tell the same.
-            for (place, count) in told.iter().flatten() {
+            for (place, count) in told {
                 before[*place as usize][i] = u64::from(*count);
             }
         }

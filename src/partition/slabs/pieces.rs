@@ -71,7 +71,7 @@ impl Work {
         let is_changed = start[start.len() - 1] as usize != held.nodes.len() || !cuts.is_empty();
         let mut out =
             if is_changed { vec![0; start[start.len() - 1] as usize] } else { Vec::new() };
-        for (number, beside) in (0..).zip(&held.beside) {
+        for (number, beside) in (0_u16..).zip(&held.beside) {
             let own = (0..held.cells.len()).filter(|cell| held.pieces[*cell] == number);
             let mut places: Vec<(u32, u32)> =
                 own.map(|place| (held.cells[place] as u32, place as u32)).collect();
@@ -111,6 +111,12 @@ impl Work {
         }
         self.nodes = is_changed.then_some(out);
         Ok(())
+    }
+
+    /// The nodes of own cells, which are those of the file where they have not changed; and the
+    /// rest.
+    pub fn without_nodes(mut self, of_file: Vec<u32>) -> (Vec<u32>, Self) {
+        (self.nodes.take().unwrap_or(of_file), self)
     }
 
     /// What stands for a node of an own cell.

@@ -36,7 +36,6 @@ pub struct Read {
 /// `Input` on all ranks.
 pub fn read(comm: &Comm, pieces: File<'_>, request: &Request) -> Result<Read> {
     let mut slab = read_slab(comm, pieces)?;
-    super::finish::hwm("read");
     let mut own: BTreeMap<Kind, u64> = BTreeMap::new();
     for elements in &slab.elements {
         *own.entry(elements.kind).or_default() += elements.sets.len() as u64;
@@ -52,7 +51,6 @@ pub fn read(comm: &Comm, pieces: File<'_>, request: &Request) -> Result<Read> {
     check_size(kinds.iter().map(nodes_of).sum())?;
     drop_points(&mut slab);
     let Named { homes, mut points, orphans } = name_nodes(comm, &mut slab, dim)?;
-    super::finish::hwm("named");
     if homes.total() >= 1 << 31 {
         return Err(Error::Input("there are too many nodes".into()));
     }

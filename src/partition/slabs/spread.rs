@@ -4,7 +4,9 @@ use super::cells::{Cell, Cells, Chunk};
 use super::homes::Homes;
 use super::labels::AtNodes;
 use crate::comm::Comm;
+use crate::error::{Error, Result};
 use crate::mesh::slabs::{Head, KindRange};
+use crate::mesh::whole::Request;
 
 /// Of no piece.
 const NONE: u32 = u32::MAX;
@@ -17,15 +19,25 @@ pub struct PieceList {
     pub of_label: Vec<u32>,
 }
 
+/// Which cells go where.
+pub struct Shared {
+    /// The labels of the cells of this rank.
+    pub labels: Vec<u32>,
+    /// The pieces of these.
+    pub list: PieceList,
+    /// The pieces at the nodes that this rank keeps.
+    pub at_nodes: AtNodes,
+}
+
 /// What a rank has got: its cells with the files' nodes, and those around them.
 #[derive(Default)]
 pub struct Held {
     /// Names of its cells, rising.
     pub cells: Vec<u64>,
-    /// Sets of groups of its cells.
+    /// Sets of groups of its cells, until they are replaced by materials.
     pub sets: Vec<u32>,
     /// The piece of each, counted from the first of this rank.
-    pub pieces: Vec<u32>,
+    pub pieces: Vec<u16>,
     /// First node of each, and the end.
     pub start: Vec<u32>,
     /// Names of nodes.
@@ -100,10 +112,11 @@ pub fn spread(
     homes: &Homes,
     head: &Head,
     mut cells: Cells,
-    labels: &[u32],
-    (list, at_nodes): (&PieceList, &AtNodes),
+    Shared { labels, list, at_nodes }: Shared,
 ) -> Held {
-    let meeting = Meeting::new(comm, homes, &cells, at_nodes);
+    let meeting = Meeting::new(comm, homes, &cells, &at_nodes);
+    drop(at_nodes);
+    let (labels, list) = (&labels, &list);
     let mut held = Held::empty(comm, head, &cells, labels, list);
     let rounds = comm.max_u64(cells.chunks.len() as u64);
     let mut chunks = std::mem::take(&mut cells.chunks).into_iter();
@@ -216,13 +229,26 @@ impl Held {
                 next[source][of] += 1;
                 self.cells[place] = u64::from(*name);
                 self.sets[place] = *set;
-                self.pieces[place] = *piece;
+                self.pieces[place] = *piece as u16;
                 self.nodes[self.start[place] as usize..][..nodes.len()].copy_from_slice(nodes);
                 place
             };
             others.iter().for_each(|piece| self.beside[*piece as usize].push(place as u32));
             rest = more;
         }
+    }
+
+    /// Puts materials in the place of sets of groups.
+    ///
+    /// # Errors
+    /// `Input` for cells in no material, or in several.
+    pub fn choose_materials(&mut self, head: &Head, request: &Request) -> Result<()> {
+        let of_sets = head.materials(request)?;
+        let wrong = || Error::Input("cells are in no material, or in several".into());
+        for set in &mut self.sets {
+            *set = of_sets[*set as usize].ok_or_else(wrong)?;
+        }
+        Ok(())
     }
 
     /// Name and nodes of a cell by place, own ones first.

@@ -66,9 +66,8 @@ impl Slabs {
         if of_nodes.values().any(|groups| !groups.is_empty()) {
             return Err("it has groups of nodes".into());
         }
-        let cut = |rows: usize| {
-            (0..rows).step_by(most).map(move |from| (from, most.min(rows - from)))
-        };
+        let cut =
+            |rows: usize| (0..rows).step_by(most).map(move |from| (from, most.min(rows - from)));
         let of_type = |(place, of): (usize, &OfType)| {
             cut(of.count).map(|(from, rows)| (place, from, rows)).collect::<Vec<_>>()
         };
