@@ -39,7 +39,7 @@ pub fn family(
     said.extend(orphans_of_cells(orphans[1] as usize));
     give_back_memory();
     let curve = Curve::new(comm, &homes, &cells, &points, ends);
-    let shared = share(comm, &head, &homes, &cells, curve, method)?;
+    let shared = share(comm, &head, &homes, &cells, (curve, &points), (request, method))?;
     give_back_memory();
     let mut held = spread(comm, &homes, &head, cells, shared);
     give_back_memory();

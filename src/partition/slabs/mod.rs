@@ -12,6 +12,7 @@ mod cells;
 mod curve;
 mod digest;
 mod doubled;
+mod exact;
 mod finish;
 mod homes;
 mod labels;

@@ -2,6 +2,7 @@
 
 use super::cells::{Cell, Cells};
 use super::curve::{Curve, cuts};
+use super::exact;
 use super::homes::Homes;
 use super::labels::AtNodes;
 use super::spread::{PieceList, Shared};
@@ -9,18 +10,21 @@ use crate::comm::Comm;
 use crate::error::Result;
 use crate::hash::mix;
 use crate::mesh::slabs::Head;
+use crate::mesh::whole::Request;
 use crate::partition::method::Method;
 
 /// Cells of the coarse graph for each rank, and at most.
 const CLUSTERS: u64 = 1024;
 const MOST_CLUSTERS: u64 = 1 << 17;
+/// A mesh of no more cells is no larger than a coarse graph: it is cut as it is.
+const SMALL: u64 = 1 << 15;
 /// Cells of a piece, which are made at once.
 const PIECE: f64 = 16_384.0;
 
 /// Shares the cells out. Collective.
 ///
 /// # Arguments
-/// * `curve` through the cells
+/// * `curve` through the cells, and the positions (m) of the nodes that this rank keeps
 ///
 /// # Errors
 /// `System` when METIS fails.
@@ -29,13 +33,21 @@ pub fn share(
     head: &Head,
     homes: &Homes,
     cells: &Cells,
-    curve: Curve,
-    method: Method,
+    (curve, points): (Curve, &[[f64; 3]]),
+    (request, method): (&Request, Method),
 ) -> Result<Shared> {
     let ranks = comm.size() as u32;
     if method == Method::Scattered && ranks > 1 {
         let rank = |cell: Cell<'_>| (mix(u64::from(cell.name)) % u64::from(ranks)) as u32;
         let labels: Vec<u32> = cells.iter().map(rank).collect();
+        let at_nodes = AtNodes::new(comm, homes, cells, &labels);
+        let list = PieceList { firsts: (0..=ranks).collect(), of_label: (0..ranks).collect() };
+        return Ok(Shared { labels, list, at_nodes });
+    }
+    if ranks > 1 && head.cells() <= SMALL.min(CLUSTERS * u64::from(ranks)) {
+        drop(curve);
+        let rank_of = exact::ranks(comm, head, homes, cells, points, request)?;
+        let labels: Vec<u32> = cells.iter().map(|cell| rank_of[cell.name as usize]).collect();
         let at_nodes = AtNodes::new(comm, homes, cells, &labels);
         let list = PieceList { firsts: (0..=ranks).collect(), of_label: (0..ranks).collect() };
         return Ok(Shared { labels, list, at_nodes });
