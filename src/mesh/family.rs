@@ -28,7 +28,7 @@ enum Source {
     Whole(Box<MeshFacts>, Vec<WholeMesh>),
     /// The mesh of a file that no rank has whole: the part of this rank, and on the root the cells
     /// behind surfaces and interfaces.
-    Slabs(Box<LocalMesh>, Option<WholeMesh>),
+    Slabs(Box<LocalMesh>, Option<Box<WholeMesh>>),
 }
 
 impl MeshFamily {
@@ -74,7 +74,7 @@ impl MeshFamily {
     /// The mesh of a file of which this rank has a part; `behind` are the cells behind surfaces and
     /// interfaces, on the root.
     pub fn in_slabs(part: LocalMesh, behind: Option<WholeMesh>, remarks: Vec<String>) -> Self {
-        Self { source: Source::Slabs(Box::new(part), behind), remarks }
+        Self { source: Source::Slabs(Box::new(part), behind.map(Box::new)), remarks }
     }
 
     /// The part of this rank, where that is all it has; else all of it comes back. Local.
@@ -213,7 +213,7 @@ impl MeshFamily {
     fn meshes_of_file(&self) -> Result<&[WholeMesh]> {
         match &self.source {
             Source::Whole(_, meshes) if !meshes.is_empty() => Ok(meshes),
-            Source::Slabs(_, Some(behind)) => Ok(std::slice::from_ref(behind)),
+            Source::Slabs(_, Some(behind)) => Ok(std::slice::from_ref(&**behind)),
             _ => Err(Error::Bug("the mesh of a file is on another rank".into())),
         }
     }

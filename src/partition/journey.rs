@@ -39,9 +39,6 @@ pub fn everywhere<T: Serialize + DeserializeOwned>(comm: &Comm, what: &T) -> Res
 ///
 /// # Errors
 /// As [`pack`].
-pub fn joined<T: Serialize + DeserializeOwned>(comm: &Comm, list: &[T]) -> Result<Vec<T>>
-where
-    T: Clone,
-{
+pub fn joined<T: Serialize + DeserializeOwned + Clone>(comm: &Comm, list: &[T]) -> Result<Vec<T>> {
     Ok(everywhere(comm, &list.to_vec())?.concat())
 }

@@ -70,7 +70,7 @@ impl Behind {
             let of = |a: usize| (a + 1..shape.nodes()).map(move |b| [nodes[a], nodes[b]]);
             (0..shape.nodes()).flat_map(of)
         };
-        shape.facets().iter().any(|facet| of_facet(&facet.as_ref()))
+        shape.facets().iter().any(of_facet)
             || self.is_raised && pairs().any(|ends| is_there(row(ends.into_iter())))
     }
 }

@@ -52,8 +52,9 @@ fn spread(x: u64) -> u64 {
     (0..BITS).fold(0, |all, bit| all | (x >> bit & 1) << (3 * bit))
 }
 
-/// The beginnings, after the first one, of pieces of the curve, on which cells have some places, with about as many cells each. They
-/// do not depend on how the cells are shared out. Collective.
+/// The beginnings, after the first one, of pieces of the curve with about as many cells each, from
+/// the places of the cells of each rank. They do not depend on how the cells are shared out.
+/// Collective.
 pub fn cuts(comm: &Comm, mut sorted: Vec<u64>, pieces: u64) -> Vec<u64> {
     sorted.sort_unstable();
     let total = comm.sum_u64(sorted.len() as u64);

@@ -14,6 +14,9 @@ use crate::mesh::whole::bodies;
 use crate::mesh::{MeshFacts, Places};
 use crate::partition::journey::joined;
 
+/// A cell on its way: its name, its material or body, and names and positions (m) of its nodes.
+type Sent = (u32, u32, Vec<(u32, [f64; 3])>);
+
 /// What is needed to finish.
 pub struct Finish<'f> {
     /// All ranks.
@@ -61,7 +64,7 @@ impl Finish<'_> {
             let nodes: Vec<(u32, [f64; 3])> = nodes.map(|word| self.node(work, *word)).collect();
             own.push((*name, held.sets[cell], nodes));
         }
-        let mut all: Vec<(u32, u32, Vec<(u32, [f64; 3])>)> = joined(self.comm, &own)?;
+        let mut all: Vec<Sent> = joined(self.comm, &own)?;
         all.sort_unstable_by_key(|cell| cell.0);
         Ok(Cut {
             dim: self.head.dim,
@@ -102,7 +105,7 @@ impl Finish<'_> {
         }
         let mut all = joined(self.comm, &own)?;
         let facets = joined(self.comm, &work.boundary)?;
-        all.sort_unstable_by_key(|cell: &(u32, u32, Vec<(u32, [f64; 3])>)| cell.0);
+        all.sort_unstable_by_key(|cell: &Sent| cell.0);
         let local = if self.comm.is_root() {
             let skin = Skin {
                 cells: all.iter().map(|cell| (cell.0, cell.1)).collect(),
@@ -117,7 +120,8 @@ impl Finish<'_> {
         self.comm.agree(local)
     }
 
-    /// The cells of this rank with their nodes by place, and how many bodies there are. Collective.
+    /// The cells of this rank with their nodes by place, and how many bodies there are.
+    /// Collective.
     ///
     /// # Arguments
     /// * `bodies` before cutting, by the places of the files' names

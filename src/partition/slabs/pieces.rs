@@ -41,7 +41,7 @@ pub struct Fresh {
 
 /// The place of a new node in what stands for it.
 pub fn fresh_place(node: u32) -> Option<usize> {
-    (node & FRESH != 0).then(|| (node & !FRESH) as usize)
+    (node & FRESH != 0).then_some((node & !FRESH) as usize)
 }
 
 impl Work {

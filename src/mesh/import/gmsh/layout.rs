@@ -16,6 +16,9 @@ use crate::mesh::import::Kind;
 /// No header of a block or section is longer.
 const HEADER: usize = 4096;
 
+/// Bytes of elements with heads that are looked at together.
+const AT_ONCE: u64 = 1 << 22;
+
 /// Rows beside each other, which one rank reads at once.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Window {
@@ -35,8 +38,8 @@ pub(super) enum Block {
     Entity { kind: Kind, set: u32, is_reversed: bool },
     /// Elements of MSH 2.2 in text.
     Lines,
-    /// Elements of MSH 2.2 in binary.
-    Records { kind: Kind, tags: u64 },
+    /// Elements of MSH 2.2 in binary; `has_heads` where each has its own head.
+    Records { kind: Kind, tags: u64, has_heads: bool },
 }
 
 /// The layout of a file.
@@ -239,23 +242,56 @@ impl Scan<'_> {
         let total = self.header("Elements", |cursor| cursor.text_count())?;
         let (mut windows, mut left, numbers) = (Vec::new(), total, Bytes::default());
         while left > 0 {
-            let (mut rows, mut bytes, mut block) = (left, 0, Block::Lines);
-            if self.encoding != Encoding::Ascii {
-                let read =
-                    |cursor: &mut Cursor| Ok((read_kind(cursor)?, cursor.size()?, cursor.size()?));
-                let (kind, many, tags) = self.header("Elements", read)?;
-                if many == 0 || many > left {
-                    return Err(unread("other elements than promised"));
+            if self.encoding == Encoding::Ascii {
+                for (rows, bytes) in self.rows(left, 0)? {
+                    windows.push(Window { rows, bytes, numbers, block: Block::Lines });
                 }
-                (rows, block) = (many, Block::Records { kind, tags });
-                bytes = tags.saturating_add(1 + kind.nodes() as u64).saturating_mul(4);
+                return Ok(windows);
             }
-            left -= rows;
-            for (rows, bytes) in self.rows(rows, bytes)? {
+            let head = self.at;
+            let read =
+                |cursor: &mut Cursor| Ok((read_kind(cursor)?, cursor.size()?, cursor.size()?));
+            let (kind, many, tags) = self.header("Elements", read)?;
+            if many == 0 || many > left {
+                return Err(unread("other elements than promised"));
+            }
+            let bytes = tags.saturating_add(1 + kind.nodes() as u64).saturating_mul(4);
+            if many == 1 {
+                let window = self.heads(head, kind, tags, (bytes, left))?;
+                left -= window.rows;
+                windows.push(window);
+                continue;
+            }
+            left -= many;
+            let block = Block::Records { kind, tags, has_heads: false };
+            for (rows, bytes) in self.rows(many, bytes)? {
                 windows.push(Window { rows, bytes, numbers, block });
             }
         }
         Ok(windows)
+    }
+
+    /// Moves over elements that have the same head each, the first of which is at `head`; each has
+    /// so many bytes behind it, and so many elements are left.
+    fn heads(
+        &mut self,
+        head: u64,
+        kind: Kind,
+        tags: u64,
+        (bytes, left): (u64, u64),
+    ) -> Result<Window> {
+        let stride = bytes.saturating_add(self.at - head);
+        if stride > self.source.length() - head {
+            return Err(unread("the file ends within a block"));
+        }
+        let most = left.min(self.most).min(AT_ONCE / stride).max(1);
+        let found = self.source.read(head, (most * stride) as usize)?;
+        let first = &found[..(self.at - head) as usize];
+        let records = found.chunks_exact(stride as usize);
+        let rows = records.take_while(|record| record.starts_with(first)).count() as u64;
+        self.at = head + rows * stride;
+        let (bytes, numbers) = (Bytes { at: head, length: rows * stride }, Bytes::default());
+        Ok(Window { rows, bytes, numbers, block: Block::Records { kind, tags, has_heads: true } })
     }
 
     /// Bytes of a size of the format.

@@ -116,13 +116,16 @@ fn read(cursor: &mut Cursor, window: &Window, sets: &mut Vec<SetOfTags>) -> Resu
     let mut row = Vec::new();
     for _ in 0..window.rows {
         cursor.begin();
+        if let Rows::Records { has_heads: true, .. } = window.block {
+            let _head = (read_kind(cursor)?, cursor.size()?, cursor.size()?);
+        }
         let _number = cursor.size()?;
         let (kind, set) = match window.block {
             Rows::Entity { kind, set, .. } => (kind, set),
             Rows::Nodes(_) => return Err(wrong()),
             Rows::Lines | Rows::Records { .. } => {
                 let (kind, tags) = match window.block {
-                    Rows::Records { kind, tags } => (kind, tags),
+                    Rows::Records { kind, tags, .. } => (kind, tags),
                     _ => (read_kind(cursor)?, cursor.size()?),
                 };
                 let group = read_tags_v2(cursor, cursor.check_room(tags, 2, 4, "tags")?)?;
