@@ -146,9 +146,9 @@ pub fn damage_is_told_alike(runtime: &Runtime) {
         let whole = std::fs::read(format!("{}/tests/meshes/{name}", env!("CARGO_MANIFEST_DIR")));
         let whole = whole.expect("a file of ours");
         let file = directory.join(name.replace('/', "-"));
-        for way in 0..6 {
+        for way in 0..4 {
             let mut bytes = whole.clone();
-            let at = (2 * way + 1) * bytes.len() / 12;
+            let at = (2 * way + 1) * bytes.len() / 8;
             match way % 2 {
                 0 => bytes.truncate(at),
                 // HDF5 itself is not to be tested.

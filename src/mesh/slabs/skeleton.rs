@@ -191,7 +191,7 @@ impl Skeleton {
         for (name, point) in self.nodes.iter().zip(&self.cells.points) {
             points[place(*name) as usize] = *point;
         }
-        for (name, point) in cut.nodes.iter().zip(&cut.points) {
+        for (name, point) in &cut.points {
             points[place(*name) as usize] = *point;
         }
         for copy in base..names.len() as u32 {
@@ -273,8 +273,8 @@ pub struct Cut {
     pub dim: usize,
     /// Names of the nodes of one cell after the other.
     pub nodes: Vec<u32>,
-    /// Their positions (m).
-    pub points: Vec<[f64; 3]>,
+    /// The positions (m) of those that are not of the file.
+    pub points: Vec<(u32, [f64; 3])>,
     /// The name of the first copy of all.
     pub first: u32,
     /// The node that each copy is one of, rising.

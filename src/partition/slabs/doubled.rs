@@ -5,8 +5,10 @@ use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::mesh::whole::{Boxes, pairs_of_box};
 
-/// The nodes are looked at in so many rounds, so that no rank has many of others at once.
-const ROUNDS: u64 = 8;
+/// The nodes are looked at in rounds of about so many, and not more rounds than these, so that no
+/// rank has many of others at once.
+const OF_ROUND: u64 = 100_000;
+const MOST_ROUNDS: u64 = 8;
 
 /// A node: its name, position (m) and shortest edge (m).
 type Node = (u32, [f64; 3], f64);
@@ -35,7 +37,8 @@ pub fn check(
     let mut longest = [nodes().map(|node| node.2).fold(0.0, f64::max)];
     comm.max(&mut longest);
     let boxes = Boxes::new(longest[0], low);
-    for round in 0..ROUNDS {
+    let rounds = (comm.sum_u64(nodes().count() as u64) / OF_ROUND).clamp(1, MOST_ROUNDS);
+    for round in 0..rounds {
         let ranks = comm.size() as u64;
         let mut keys = vec![Vec::new(); ranks as usize];
         let mut places = vec![Vec::new(); ranks as usize];
@@ -43,8 +46,8 @@ pub fn check(
             boxes.of(point, |hash| {
                 // The low bits of the hash are those that are mixed least.
                 let mixed = hash >> 20;
-                if mixed % ROUNDS == round {
-                    let rank = (mixed / ROUNDS % ranks) as usize;
+                if mixed % rounds == round {
+                    let rank = (mixed / rounds % ranks) as usize;
                     keys[rank].extend([hash, u64::from(name)]);
                     places[rank].extend([point[0], point[1], point[2], edge]);
                 }

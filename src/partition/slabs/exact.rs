@@ -3,7 +3,7 @@
 use super::cells::Cells;
 use super::homes::Homes;
 use crate::comm::Comm;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::mesh::import::Block;
 use crate::mesh::slabs::Head;
 use crate::mesh::whole::{Request, build, dual_graph};
@@ -50,6 +50,9 @@ pub fn ranks(
             rest = more;
         }
         let mesh = build(&file, &Request { scale: 1.0, ..request.clone() }, "the mesh")?;
+        if mesh.cells() as u64 != head.cells() {
+            return Err(Error::Input("cells stand in it once for each of their groups".into()));
+        }
         let graph = dual_graph(&mesh);
         let ranks = comm.size() as usize;
         metis::cut(&graph.start, &graph.neighbours, &graph.weights, &graph.work, ranks)

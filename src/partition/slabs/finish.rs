@@ -48,6 +48,7 @@ pub fn family(
     let of_names = homes.fetch(comm, names.iter(), |place| points[place]);
     let skeleton = skeleton(comm, &head, request, &held, &homes, &points)?;
     drop(points);
+    give_back_memory();
     comm.agree(held.choose_materials(&head, request))?;
     let mut work = Work::new(names, of_names);
     let bodies = bodies_before(comm, &homes, &held, &work)?;

@@ -89,6 +89,7 @@ impl Homes {
             let answers = comm.exchange(&answers);
             found.extend(answers.iter().flat_map(|words| words.as_chunks::<N>().0).copied());
             if !comm.any(names.peek().is_some()) {
+                found.shrink_to_fit();
                 return found;
             }
         }

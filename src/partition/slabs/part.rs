@@ -57,19 +57,31 @@ impl Finish<'_> {
     /// # Errors
     /// `Bug` only.
     pub fn cut(&self, held: &Held, work: &Work, names: &[u32], start: &[u32]) -> Result<Cut> {
-        let mut own = Vec::new();
+        let (mut own, mut fresh) = (Vec::new(), Vec::new());
         for name in names {
             let Ok(cell) = held.cells.binary_search(&u64::from(*name)) else { continue };
-            let nodes = self.words(held, work, start, cell).iter();
-            let nodes: Vec<(u32, [f64; 3])> = nodes.map(|word| self.node(work, *word)).collect();
-            own.push((*name, held.sets[cell], nodes));
+            own.extend([*name, held.sets[cell]]);
+            for word in self.words(held, work, start, cell) {
+                let (name, point) = self.node(work, *word);
+                own.push(name);
+                if fresh_place(*word).is_some() {
+                    fresh.push((name, point));
+                }
+            }
         }
-        let mut all: Vec<Sent> = joined(self.comm, &own)?;
+        let (words, points) = (joined(self.comm, &own)?, joined(self.comm, &fresh)?);
+        let mut all = Vec::with_capacity(names.len());
+        let mut rest = &words[..];
+        while let [name, material, more @ ..] = rest {
+            let (nodes, more) = more.split_at(self.shapes[self.head.kind_place(*name)].nodes());
+            all.push((*name, *material, nodes));
+            rest = more;
+        }
         all.sort_unstable_by_key(|cell| cell.0);
         Ok(Cut {
             dim: self.head.dim,
-            nodes: all.iter().flat_map(|cell| &cell.2).map(|node| node.0).collect(),
-            points: all.iter().flat_map(|cell| &cell.2).map(|node| node.1).collect(),
+            nodes: all.iter().flat_map(|cell| cell.2).copied().collect(),
+            points,
             first: self.naming.uncut() as u32,
             origins: self.naming.origins.clone(),
             materials: all.iter().map(|cell| cell.1).collect(),

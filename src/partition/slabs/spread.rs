@@ -7,6 +7,7 @@ use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::mesh::slabs::{Head, KindRange};
 use crate::mesh::whole::Request;
+use crate::runtime::give_back_memory;
 
 /// Of no piece.
 const NONE: u32 = u32::MAX;
@@ -137,6 +138,8 @@ pub fn spread(
         for (source, words) in comm.exchange(&words).iter().enumerate() {
             held.held.take(words, head, &mut held.next, source);
         }
+        // What a round has freed lies in many small pieces.
+        give_back_memory();
     }
     held.held
 }
