@@ -161,8 +161,8 @@ impl Finish<'_> {
         Ok((Part { cells, shapes, materials, nodes, start, connectivity, bodies }, count))
     }
 
-    /// Nodes of cells by place, the nodes, and where nothing was cut their bodies as far as they are
-    /// those of the file.
+    /// Nodes of cells by place, the nodes, and where nothing was cut the bodies of those of the
+    /// file.
     fn placed(
         &self,
         mut connectivity: Vec<u32>,
