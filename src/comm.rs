@@ -176,7 +176,7 @@ impl Comm {
         self.mpi().all_to_all_into(&send_counts[..], &mut receive_counts[..]);
         let flat = with_an_address(send.concat());
         let total: usize = receive_counts.iter().map(|&n| n as usize).sum();
-        let mut received = vec![T::default(); total];
+        let mut received = with_an_address(vec![T::default(); total]);
         {
             let starts = offsets(&send_counts);
             let outgoing = Partition::new(&flat[..], &send_counts[..], &starts[..]);
@@ -202,7 +202,7 @@ impl Comm {
         let mut counts = vec![0; self.size() as usize];
         root.gather_into_root(&mine, &mut counts[..]);
         let total: usize = counts.iter().map(|&n| n as usize).sum();
-        let mut received = vec![T::default(); total];
+        let mut received = with_an_address(vec![T::default(); total]);
         {
             let starts = offsets(&counts);
             let mut incoming = PartitionMut::new(&mut received[..], &counts[..], &starts[..]);

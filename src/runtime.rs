@@ -162,6 +162,19 @@ fn keep_libraries() {
     }
 }
 
+/// Gives memory that is free back to the system, where the C library can: what was large for a
+/// moment then adds nothing to what is large later. Local.
+pub fn give_back_memory() {
+    // SAFETY: a null handle and a name that ends with a zero.
+    let found = unsafe { dlsym(ptr::null_mut(), c"malloc_trim".as_ptr()) };
+    if !found.is_null() {
+        // SAFETY: glibc has it with this signature.
+        let trim =
+            unsafe { std::mem::transmute::<*mut c_void, extern "C" fn(usize) -> c_int>(found) };
+        trim(0);
+    }
+}
+
 /// Several ranks with a thread per core each would fight for the cores: OpenBLAS, if that is the
 /// BLAS, gets one thread unless the environment says otherwise.
 fn use_one_blas_thread() {

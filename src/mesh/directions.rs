@@ -83,6 +83,18 @@ impl Directions {
         self.middles.dedup();
     }
 
+    /// The same with names in the place of numbers.
+    pub(super) fn named(mut self, names: &[u32]) -> Self {
+        let name = |node: &mut u32| *node = names[*node as usize];
+        self.of_lips.iter_mut().for_each(|one| name(&mut one.node));
+        self.of_surfaces.iter_mut().for_each(|one| name(&mut one.node));
+        self.middles.iter_mut().for_each(|one| {
+            name(&mut one.node);
+            one.ends.iter_mut().for_each(name);
+        });
+        self
+    }
+
     /// Those at nodes of the given rising names, by their places among them.
     pub(super) fn of_nodes(&self, names: &[u64]) -> Self {
         let place = |name: u32| {

@@ -26,6 +26,9 @@ enum Source {
     /// The mesh of a file: what is known of it, and on the rank that read it the mesh itself, after
     /// the coarser ones that multigrid asks for, coarsest first.
     Whole(Box<MeshFacts>, Vec<WholeMesh>),
+    /// The mesh of a file that no rank has whole: the part of this rank, and on the root the cells
+    /// behind surfaces and interfaces.
+    Slabs(Box<LocalMesh>, Option<Box<WholeMesh>>),
 }
 
 impl MeshFamily {
@@ -68,11 +71,29 @@ impl MeshFamily {
         Self { source: Source::Whole(Box::new(facts), Vec::new()), remarks: Vec::new() }
     }
 
+    /// The mesh of a file of which this rank has a part; `behind` are the cells behind surfaces and
+    /// interfaces, on the root.
+    pub fn in_slabs(part: LocalMesh, behind: Option<WholeMesh>, remarks: Vec<String>) -> Self {
+        Self { source: Source::Slabs(Box::new(part), behind.map(Box::new)), remarks }
+    }
+
+    /// The part of this rank, where that is all it has; else all of it comes back. Local.
+    ///
+    /// # Errors
+    /// The meshes themselves.
+    pub fn into_part(self) -> std::result::Result<LocalMesh, Box<Self>> {
+        match self.source {
+            Source::Slabs(part, _) => Ok(*part),
+            source => Err(Box::new(Self { source, remarks: self.remarks })),
+        }
+    }
+
     /// What is known of the mesh of the case.
     pub fn facts(&self) -> MeshFacts {
         match &self.source {
             Source::Lattices(columns) => columns[columns.len() - 1].facts(),
             Source::Whole(facts, _) => (**facts).clone(),
+            Source::Slabs(part, _) => part.facts.clone(),
         }
     }
 
@@ -80,13 +101,13 @@ impl MeshFamily {
     pub fn lattice(&self) -> Option<&Column> {
         match &self.source {
             Source::Lattices(columns) => columns.last(),
-            Source::Whole(..) => None,
+            Source::Whole(..) | Source::Slabs(..) => None,
         }
     }
 
     /// Whether it is the mesh of a file.
     pub fn is_of_file(&self) -> bool {
-        matches!(self.source, Source::Whole(..))
+        !matches!(self.source, Source::Lattices(_))
     }
 
     /// Takes levels for multigrid in the place of the meshes below the finest, the coarsest of at
@@ -100,6 +121,7 @@ impl MeshFamily {
                 meshes.drain(..few.min(meshes.len()));
                 return !facts.coarser.is_empty();
             }
+            Source::Slabs(..) => return false,
         };
         let levels = columns[columns.len() - 1].hierarchy(fewest);
         let has_levels = levels.len() > 1;
@@ -123,6 +145,7 @@ impl MeshFamily {
         match &self.source {
             Source::Lattices(columns) => columns[0].cells(),
             Source::Whole(facts, _) => facts.coarser.first().copied().unwrap_or(facts.cells),
+            Source::Slabs(part, _) => part.facts.cells,
         }
     }
 
@@ -133,7 +156,7 @@ impl MeshFamily {
     pub fn dual_graph(&self) -> Result<DualGraph> {
         match &self.source {
             Source::Lattices(columns) => columns[0].dual_graph(),
-            Source::Whole(..) => Ok(whole::dual_graph(&self.meshes_of_file()?[0])),
+            _ => Ok(whole::dual_graph(&self.meshes_of_file()?[0])),
         }
     }
 
@@ -199,6 +222,7 @@ impl MeshFamily {
     fn meshes_of_file(&self) -> Result<&[WholeMesh]> {
         match &self.source {
             Source::Whole(_, meshes) if !meshes.is_empty() => Ok(meshes),
+            Source::Slabs(_, Some(behind)) => Ok(std::slice::from_ref(&**behind)),
             _ => Err(Error::Bug("the mesh of a file is on another rank".into())),
         }
     }
@@ -214,6 +238,40 @@ fn read(
 ) -> Result<Vec<WholeMesh>> {
     let path = file.path.display().to_string();
     let content = content(file, &path)?;
+    let request = Request { refine, divided: divided.to_vec(), ..request(case, file)? };
+    let may_need_levels = matches!(case.solver.linear, Linear::Multigrid | Linear::Auto);
+    let keep = if may_need_levels { Keep::All } else { Keep::Finest };
+    let mut meshes = whole::nested(&content, &request, &path, keep)?;
+    meshes.iter_mut().for_each(|mesh| add_connected(case, mesh));
+    check_surfaces(meshes.first().map_or(0, |mesh| mesh.surfaces.len()))?;
+    Ok(meshes)
+}
+
+/// Makes the lips of interfaces with a connected fluid surfaces too.
+pub(super) fn add_connected(case: &Case, mesh: &mut WholeMesh) {
+    for index in (0..case.interfaces.len()).filter(|index| case.interfaces[*index].connected) {
+        let lips = mesh.surface_of_lips(index);
+        mesh.surfaces.push(lips);
+    }
+}
+
+/// Refuses more surfaces than marks tell of.
+pub(super) fn check_surfaces(surfaces: usize) -> Result<()> {
+    if surfaces > Marks::SURFACES {
+        return Err(Error::Input(format!(
+            "boundary: {surfaces} groups and interfaces with a connected fluid are more than the {} \
+             that a node can be marked for; join groups that are treated alike",
+            Marks::SURFACES
+        )));
+    }
+    Ok(())
+}
+
+/// What a case asks of its file.
+///
+/// # Errors
+/// `Bug` for an interface at a height.
+pub fn request(case: &Case, file: &FileSpec) -> Result<Request> {
     let interface = |spec: &InterfaceSpec| {
         let place = match &spec.location {
             Location::Group { name, flip } => {
@@ -231,33 +289,15 @@ fn read(
         name: material.name.clone(),
         groups: material.groups.clone(),
     };
-    let request = Request {
+    Ok(Request {
         scale: file.scale,
         raise_order: file.raise_order.then_some(2),
-        refine,
+        refine: case.mesh.refine,
         materials: case.materials.iter().map(material).collect(),
         surfaces: case.surfaces().iter().map(|surface| surface.name().to_owned()).collect(),
         interfaces: case.interfaces.iter().map(interface).collect::<Result<_>>()?,
-        divided: divided.to_vec(),
-    };
-    let may_need_levels = matches!(case.solver.linear, Linear::Multigrid | Linear::Auto);
-    let keep = if may_need_levels { Keep::All } else { Keep::Finest };
-    let mut meshes = whole::nested(&content, &request, &path, keep)?;
-    for mesh in &mut meshes {
-        for index in (0..case.interfaces.len()).filter(|index| case.interfaces[*index].connected) {
-            let lips = mesh.surface_of_lips(index);
-            mesh.surfaces.push(lips);
-        }
-    }
-    let surfaces = meshes.first().map_or(0, |mesh| mesh.surfaces.len());
-    if surfaces > Marks::SURFACES {
-        return Err(Error::Input(format!(
-            "boundary: {surfaces} groups and interfaces with a connected fluid are more than the {} \
-             that a node can be marked for; join groups that are treated alike",
-            Marks::SURFACES
-        )));
-    }
-    Ok(meshes)
+        divided: Vec::new(),
+    })
 }
 
 /// What the file holds.
@@ -278,7 +318,7 @@ fn content(file: &FileSpec, path: &str) -> Result<FileMesh> {
 }
 
 /// Whether a file is one of MED: HDF5, by its ending.
-fn is_med(path: &Path) -> bool {
+pub fn is_med(path: &Path) -> bool {
     let is = |ending: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending));
     is("med") || is("mmed") || is("rmed")
 }

@@ -15,12 +15,13 @@ mod marks;
 mod nested;
 mod parts;
 mod prototype;
+pub mod slabs;
 pub mod whole;
 
 pub use crate::case::column_axes as axes;
 pub use directions::{Directions, LipNormal, MidNode, SurfaceNormal};
 pub use facts::{DualGraph, HingeNode, Hinges, Joint, LipFacts, MeshFacts};
-pub use family::MeshFamily;
+pub use family::{MeshFamily, is_med, request};
 pub use lattice::{CellPlace, Column, NodePlace};
 pub use local::{Facet, FarFacet, Interpolation, LocalMesh, Places};
 pub use marks::{Lip, Marks};

@@ -159,20 +159,17 @@ impl WholeMesh {
             local[*name as usize] = number as u32;
         }
         let (mut start, mut connectivity) = (vec![0], Vec::new());
-        let mut prototypes = Prototypes::default();
-        let (mut cell_prototype, mut points) = (Vec::with_capacity(cells.len()), Vec::new());
         for cell in cells.iter().map(|cell| *cell as usize) {
             connectivity.extend(self.cell_nodes(cell).iter().map(|n| local[*n as usize]));
             start.push(connectivity.len() as u32);
-            let shape = self.shapes[cell];
-            points.clear();
-            points.extend(self.cell_nodes(cell).iter().map(|n| self.points[*n as usize]));
-            cell_prototype.push(prototypes.number(Prototype {
-                geometry: Geometry::of(shape, &points, self.axes),
-                material: self.materials[cell] as usize,
-                shape,
-            }));
         }
+        let of_cell =
+            |cell: &u64| (self.shapes[*cell as usize], self.materials[*cell as usize] as usize);
+        let points = |cell: usize, points: &mut Vec<[f64; 3]>| {
+            let nodes = self.cell_nodes(cells[cell] as usize).iter();
+            points.extend(nodes.map(|n| self.points[*n as usize]));
+        };
+        let (cell_prototype, prototypes) = prototypes(cells.iter().map(of_cell), self.axes, points);
         let at = |name: &u64| *name as usize;
         let nodes = Places {
             points: names.iter().map(|name| self.points[at(name)]).collect(),
@@ -185,7 +182,7 @@ impl WholeMesh {
             facts,
             cells,
             cell_prototype,
-            prototypes: prototypes.list,
+            prototypes,
             start,
             connectivity,
             nodes,
@@ -200,7 +197,7 @@ impl WholeMesh {
     }
 
     /// Body, surfaces and lip of every node.
-    fn marks(&self) -> Vec<Marks> {
+    pub(super) fn marks(&self) -> Vec<Marks> {
         let mut surfaces = vec![0_u128; self.points.len()];
         for (place, surface) in self.surfaces.iter().enumerate() {
             surface.nodes.iter().for_each(|node| surfaces[*node as usize] |= 1 << place);
@@ -231,7 +228,7 @@ impl WholeMesh {
     }
 
     /// By interface and lip, the facets of the other lip that may face each facet.
-    fn far_facets(&self) -> Vec<[BTreeMap<WholeFacet, Vec<WholeFacet>>; 2]> {
+    pub(super) fn far_facets(&self) -> Vec<[BTreeMap<WholeFacet, Vec<WholeFacet>>; 2]> {
         let of_interface = |interface: &WholeInterface| {
             let mut far = <[BTreeMap<WholeFacet, Vec<WholeFacet>>; 2]>::default();
             let [lower, upper] = &interface.lips;
@@ -250,7 +247,7 @@ impl WholeMesh {
     }
 
     /// Normals and middles of edges, by names of nodes.
-    fn directions(&self) -> Directions {
+    pub(super) fn directions(&self) -> Directions {
         let mut all = Directions::default();
         for (index, interface) in self.interfaces.iter().enumerate() {
             let normals = interface.normals.iter();
@@ -315,7 +312,7 @@ impl WholeMesh {
         stiffness_rule(shape).iter().map(|p| p.weight * at(p.xi)).sum()
     }
 
-    fn far_facet(&self, facet: WholeFacet) -> FarFacet {
+    pub(super) fn far_facet(&self, facet: WholeFacet) -> FarFacet {
         let nodes: Vec<u64> = self.facet_nodes(facet).map(u64::from).collect();
         FarFacet {
             cell: u64::from(facet.cell),
@@ -324,6 +321,24 @@ impl WholeMesh {
             nodes,
         }
     }
+}
+
+/// The prototype of each of some cells, told by shape and material, and the prototypes; `points`
+/// adds the positions of the nodes (m) of a cell by its place.
+pub(super) fn prototypes(
+    cells: impl Iterator<Item = (Shape, usize)>,
+    axes: &[usize],
+    points: impl Fn(usize, &mut Vec<[f64; 3]>),
+) -> (Vec<u32>, Vec<Prototype>) {
+    let (mut prototypes, mut of_cell) = (Prototypes::default(), Vec::new());
+    let mut numbers = Vec::with_capacity(cells.size_hint().0);
+    for (cell, (shape, material)) in cells.enumerate() {
+        of_cell.clear();
+        points(cell, &mut of_cell);
+        let geometry = Geometry::of(shape, &of_cell, axes);
+        numbers.push(prototypes.number(Prototype { geometry, material, shape }));
+    }
+    (numbers, prototypes.list)
 }
 
 fn sorted(facets: impl Iterator<Item = Facet>) -> Vec<Facet> {

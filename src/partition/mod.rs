@@ -5,10 +5,14 @@
 //! are joined by heavy edges, so that pairs stay together where the balance allows it; a pair that
 //! is cut all the same costs communication and nothing else.
 
+mod journey;
+mod method;
 mod metis;
+mod slabs;
 
-use serde::Serialize;
-use serde::de::DeserializeOwned;
+pub use method::{Import, Method};
+
+use journey::{pack, unpack};
 
 use crate::case::Case;
 use crate::comm::Comm;
@@ -16,40 +20,41 @@ use crate::error::{Error, Result};
 use crate::hash::mix;
 use crate::mesh::{LocalMesh, MeshFacts, MeshFamily};
 
-/// How the cells are shared out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Method {
-    /// By METIS, least surface between the ranks.
-    Metis,
-    /// Every cell to the rank that a hash of its name gives: the worst that can happen to the
-    /// parallel code, for tests.
-    Scattered,
-}
-
-impl Method {
-    /// The method asked for by the environment: tests set `COLUMN_HPC_PARTITION=scattered`.
-    pub fn from_environment() -> Self {
-        match std::env::var("COLUMN_HPC_PARTITION").as_deref() {
-            Ok("scattered") => Self::Scattered,
-            _ => Self::Metis,
-        }
-    }
-}
-
-/// The meshes of a case, on all ranks: rank 0 reads a file, as `read` does. Collective.
+/// The meshes of a case, on all ranks. A large file is read in slabs by all of them; where that
+/// cannot be, or `needs_whole` says why the whole of it is needed, rank 0 reads it, as `read` does.
+/// Collective.
 ///
 /// # Errors
 /// As [`MeshFamily::new`].
 pub fn family(
     comm: &Comm,
     case: &Case,
+    (import, method): (Import, Method),
     read: impl Fn(&Case) -> Result<MeshFamily>,
+    needs_whole: impl Fn(&Case, &MeshFamily) -> Result<Option<String>>,
 ) -> Result<MeshFamily> {
     if case.mesh.file().is_none() {
         return comm.agree(MeshFamily::new(case));
     }
+    let in_slabs = slabs::family(comm, case, import, method);
+    let why = match in_slabs {
+        Ok(Some(family)) => {
+            let local = if comm.is_root() { needs_whole(case, &family) } else { Ok(None) };
+            match comm.on_root(|| pack(&local?)).and_then(|bytes| unpack::<Option<String>>(&bytes))
+            {
+                Ok(None) => return Ok(family),
+                Ok(Some(why)) => Some(why),
+                Err(error) => Some(error.to_string()),
+            }
+        }
+        Ok(None) => None,
+        Err(error) => Some(error.to_string()),
+    };
     let local = if comm.is_root() { read(case).map(Some) } else { Ok(None) };
-    let read = comm.agree(local)?;
+    let mut read = comm.agree(local)?;
+    if let (Some(family), Some(why)) = (&mut read, why) {
+        family.remarks.push(format!("read whole by one rank, not in slabs by all: {why}"));
+    }
     let facts = read.as_ref().map(|family| pack(&family.facts())).transpose();
     let facts = unpack(&comm.broadcast_bytes(comm.agree(facts)?.unwrap_or_default()));
     let facts = comm.agree(facts)?;
@@ -61,7 +66,12 @@ pub fn family(
 ///
 /// # Errors
 /// `Input` when there are too many cells, `System` when METIS fails.
-pub fn share_out(comm: &Comm, family: &MeshFamily, method: Method) -> Result<Vec<LocalMesh>> {
+pub fn share_out(comm: &Comm, family: MeshFamily, method: Method) -> Result<Vec<LocalMesh>> {
+    let family = match family.into_part() {
+        Ok(part) => return Ok(vec![part]),
+        Err(family) => *family,
+    };
+    let family = &family;
     let ranks = comm.size() as usize;
     let local = if comm.is_root() { ranks_of(family, ranks, method) } else { Ok(Vec::new()) };
     let rank_of = comm.agree(local)?;
@@ -106,15 +116,6 @@ fn share_out_file(comm: &Comm, family: &MeshFamily, rank_of: &[i32]) -> Result<V
         finest.facts = family.facts();
     }
     Ok(meshes)
-}
-
-fn pack<T: Serialize>(what: &T) -> Result<Vec<u8>> {
-    postcard::to_stdvec(what).map_err(|error| Error::Bug(format!("a mesh cannot be sent: {error}")))
-}
-
-fn unpack<T: DeserializeOwned>(bytes: &[u8]) -> Result<T> {
-    let read = postcard::from_bytes(bytes);
-    read.map_err(|error| Error::Bug(format!("a mesh cannot be received: {error}")))
 }
 
 /// The rank of every cell.

@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::mesh::MeshFamily;
 use crate::output::directory::OutputDirectory;
 use crate::output::lock::Lock;
-use crate::partition::{self, Method};
+use crate::partition::{self, Import, Method};
 use crate::reduce::Situation;
 use crate::runtime::Runtime;
 use crate::solve::model::held_bodies;
@@ -59,7 +59,8 @@ pub fn carry_out(
     let _lock = output.map(|output| Lock::take(comm, output.directory)).transpose()?;
     let family = {
         let _phase = timers.enter(Phase::Mesh);
-        partition::family(comm, case, solve::family)?
+        let ways = (Import::from_environment(), Method::from_environment());
+        partition::family(comm, case, ways, solve::family, solve::divides)?
     };
     // The mesh of a file tells its dimension.
     let case = &comm.agree(case.clone().for_dimension(family.facts().dim))?;
@@ -124,9 +125,8 @@ fn build<'a>(
     resources::check(comm, case, &facts, &choice, directory)?;
     let mut meshes = {
         let _phase = timers.enter(Phase::Partition);
-        partition::share_out(comm, &family, Method::from_environment())?
+        partition::share_out(comm, family, Method::from_environment())?
     };
-    drop(family);
     fault::strike(comm, "distribute")?;
     let phase = timers.enter(Phase::Assembly);
     let finest = meshes.pop().ok_or_else(|| Error::Bug("no mesh".into()))?;

@@ -46,6 +46,11 @@ pub fn exchange_and_gather(runtime: &Runtime) {
     for (source, values) in (0..).zip(comm.exchange(&send)) {
         assert_eq!(values, vec![100 * source + rank; (source + rank) as usize]);
     }
+    // A list of bytes without any has no address.
+    let to_self: Vec<Vec<u8>> = (0..size).map(|s| vec![7; usize::from(s == 0)]).collect();
+    for values in comm.exchange(&to_self) {
+        assert_eq!(values, vec![7; usize::from(rank == 0)]);
+    }
     let mine = vec![f64::from(rank); rank as usize];
     let gathered = comm.gather(&mine);
     assert_eq!(gathered.is_some(), comm.is_root());

@@ -2,7 +2,8 @@
 //!
 //! Started by `cargo test`, the program launches itself under `mpirun`; there it runs the functions
 //! of the lists below in their order, the same on every rank. A word on the command line chooses
-//! the tests whose names contain it.
+//! the tests whose names contain it. `mpirun -n N PROGRAM under-mpirun import FILE` measures the
+//! import of a mesh.
 
 #![allow(clippy::print_stdout)] // the runner's own report
 
@@ -12,6 +13,7 @@ mod comm;
 mod common;
 mod linear_algebra;
 mod newton;
+mod slabs;
 mod tangent;
 
 use column_hpc::runtime::Runtime;
@@ -45,6 +47,8 @@ const TESTS: &[Test] = &[
     ("tangent_in_refined_meshes", tangent::tangent_in_refined_meshes),
     ("aggregation_of_a_slender_beam", aggregation::of_a_slender_beam),
     ("aggregation_without_couplings", aggregation::without_couplings),
+    ("slabs_are_those_read_whole", slabs::are_those_read_whole),
+    ("slabs_tell_damage_alike", slabs::damage_is_told_alike),
     ("log_stages", linear_algebra::log_stages),
 ];
 
@@ -147,6 +151,10 @@ fn inside(args: &[String]) {
                     println!("{name} ok");
                 }
             }
+            runtime.exit(0)
+        }
+        "import" => {
+            slabs::measure(&runtime, &args[1..]);
             runtime.exit(0)
         }
         way => end_badly(runtime, way),

@@ -116,7 +116,7 @@ fn check(runtime: &Runtime, case: &Case, method: Method) -> BTreeSet<Branch> {
     if choice.preset == MULTIGRID {
         assert!(family.coarsen(4), "levels");
     }
-    let mut meshes = partition::share_out(comm, &family, method).expect("a partition");
+    let mut meshes = partition::share_out(comm, family, method).expect("a partition");
     let finest = meshes.pop().expect("a mesh");
     let problem = BoundaryValueProblem::new(comm, case, finest).expect("a problem");
     let mut model =

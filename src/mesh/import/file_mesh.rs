@@ -1,7 +1,9 @@
 //! A mesh as a file holds it: what the readers of all formats fill.
 
+use serde::{Deserialize, Serialize};
+
 /// The kinds of elements that files hold; nodes in the order of VTK.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Kind {
     /// One node.
     Point1,
@@ -115,7 +117,7 @@ pub struct Block {
 }
 
 /// A named group of elements or nodes of one dimension.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Group {
     /// As in the file; unique among the groups of its dimension.
     pub name: String,

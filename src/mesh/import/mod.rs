@@ -2,7 +2,9 @@
 
 mod file_mesh;
 mod order;
+mod slab;
 pub mod gmsh;
 pub mod med;
 
 pub use file_mesh::{Block, FileMesh, Group, Kind};
+pub use slab::{Elements, GroupSet, NodeRows, Pieces, SetOfTags};

@@ -1,6 +1,6 @@
 //! From a file to a whole mesh.
 
-use super::bodies::bodies;
+use super::bodies::bodies_of;
 use super::cells::{Cells, collect};
 use super::cut::{Copies, cut};
 use super::facet::WholeFacet;
@@ -179,7 +179,7 @@ fn cut_up(
     for (name, found) in request.surfaces.iter().zip(of_request) {
         surfaces.push(surfaces::finish(&cells, &mates, &copies, name, found, &mut remarks));
     }
-    let (bodies, body_count) = bodies(cells.view());
+    let (bodies, body_count) = bodies_of(cells.view());
     let axes: &[usize] = if cells.dim() == 2 { &[0, 1] } else { &[0, 1, 2] };
     let Cells { points, shapes, start, nodes, numbers, .. } = cells;
     let mesh = WholeMesh {
@@ -217,17 +217,26 @@ fn remark_on_lone_nodes(groups: &Groups, request: &Request, remarks: &mut Vec<St
 
 /// Says that simplices of first order lock.
 fn remark_on_locking(cells: &Cells, remarks: &mut Vec<String>) {
-    let is_stiff = |shape: &&Shape| matches!(shape, Shape::Tri3 | Shape::Tet4);
-    let number = cells.shapes.iter().filter(is_stiff).count();
-    if number > 0 {
-        let kind = match (cells.dim(), number) {
+    let number = cells.shapes.iter().filter(|shape| is_stiff(**shape)).count();
+    remarks.extend(locking(cells.dim(), number));
+}
+
+/// Whether cells of a shape lock.
+pub fn is_stiff(shape: Shape) -> bool {
+    matches!(shape, Shape::Tri3 | Shape::Tet4)
+}
+
+/// What is to be said of so many simplices of first order.
+pub fn locking(dim: usize, number: usize) -> Option<String> {
+    (number > 0).then(|| {
+        let kind = match (dim, number) {
             (2, _) => count(number, "triangle"),
             (_, 1) => "1 tetrahedron".into(),
             _ => format!("{number} tetrahedra"),
         };
-        remarks.push(format!(
+        format!(
             "{kind} of first order: they lock, so that the answer is too stiff; \
              `mesh.raise_order: 2` gives them middle nodes"
-        ));
-    }
+        )
+    })
 }

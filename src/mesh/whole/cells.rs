@@ -122,11 +122,13 @@ fn name_nodes(file: &FileMesh, scale: f64, cells: &mut Cells, remarks: &mut Vec<
         }
     }
     cells.nodes.iter_mut().for_each(|node| *node = names[*node as usize]);
-    let orphans = names.len() - cells.points.len();
-    if orphans > 0 {
-        remarks.push(format!("nodes of no cell, left out: {orphans}"));
-    }
+    remarks.extend(orphans_of_cells(names.len() - cells.points.len()));
     cells.names = names;
+}
+
+/// What is to be said of so many nodes of no cell.
+pub fn orphans_of_cells(orphans: usize) -> Option<String> {
+    (orphans > 0).then(|| format!("nodes of no cell, left out: {orphans}"))
 }
 
 /// Checks that a mesh of surfaces lies in the plane z = 0.
@@ -137,9 +139,18 @@ fn flatten(cells: &mut Cells) -> Result<()> {
             (low[i], high[i]) = (low[i].min(point[i]), high[i].max(point[i]));
         }
     }
+    check_plane(low, high)?;
+    cells.points.iter_mut().for_each(|point| point[2] = 0.0);
+    Ok(())
+}
+
+/// Checks that points with these least and largest coordinates (m) lie in the plane z = 0.
+///
+/// # Errors
+/// `Input` if they do not.
+pub fn check_plane(low: [f64; 3], high: [f64; 3]) -> Result<()> {
     let size = (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max);
     if low[2].abs().max(high[2].abs()) <= FLAT * size {
-        cells.points.iter_mut().for_each(|point| point[2] = 0.0);
         return Ok(());
     }
     Err(wrong(if high[2] - low[2] <= FLAT * size {
@@ -186,6 +197,17 @@ fn join_copies(cells: &mut Cells) -> Result<()> {
     }
     drop_cells(cells, copies);
     Ok(())
+}
+
+/// Refuses cells with a node twice, and cells that are there twice.
+///
+/// # Errors
+/// `Input` with the first of them.
+pub fn check_copies(cells: &mut Cells) -> Result<()> {
+    let before = cells.kinds.len();
+    let twice = || wrong("cells stand in it once for each of their groups".into());
+    join_copies(cells).map_err(|_| twice())?;
+    if cells.kinds.len() == before { Ok(()) } else { Err(twice()) }
 }
 
 /// The groups of all copies of a cell.

@@ -21,6 +21,16 @@ impl Copies {
         Self { base: cells.points.len() as u32, origins: Vec::new() }
     }
 
+    /// The copies of nodes that rise, numbered from `base` on.
+    pub fn of_origins(base: u32, origins: Vec<u32>) -> Self {
+        Self { base, origins }
+    }
+
+    /// The number of the first copy.
+    pub fn base(&self) -> u32 {
+        self.base
+    }
+
     /// The node before cutting.
     pub fn origin(&self, node: u32) -> u32 {
         if node < self.base { node } else { self.origins[(node - self.base) as usize] }

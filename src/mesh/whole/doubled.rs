@@ -72,19 +72,24 @@ fn number_of(cells: &Cells, file: &FileMesh, node: u32) -> Option<u64> {
 /// Pairs of nodes at one place, each higher node once, by rising lower node.
 fn pairs(cells: &Cells) -> Vec<[u32; 2]> {
     let edges = shortest_edges(cells);
-    let reach = NEAR * edges.iter().copied().fold(0.0, f64::max);
-    let boxes = boxes(cells, reach);
+    let mut low = [f64::INFINITY; 3];
+    for point in &cells.points {
+        low.iter_mut().zip(point).for_each(|(low, x)| *low = low.min(*x));
+    }
+    let boxes = Boxes::new(edges.iter().copied().fold(0.0, f64::max), low);
+    let mut found = Vec::with_capacity(cells.points.len() + cells.points.len() / 2);
+    for (node, point) in (0..).zip(&cells.points) {
+        boxes.of(*point, |hash| found.push((hash, node)));
+    }
+    found.sort_unstable();
     let mut pairs = Vec::new();
-    for of_box in boxes.chunk_by(|a, b| a.0 == b.0).filter(|of_box| of_box.len() > 1) {
-        for (i, (_, a)) in of_box.iter().enumerate() {
-            for (_, b) in of_box[i + 1..].iter().take(MOST) {
-                let (p, q) = (cells.points[*a as usize], cells.points[*b as usize]);
-                let near = NEAR * edges[*a as usize].min(edges[*b as usize]);
-                if a != b && distance(p, q) <= near {
-                    pairs.push([*b.max(a), *a.min(b)]);
-                }
+    for of_box in found.chunk_by(|a, b| a.0 == b.0).filter(|of_box| of_box.len() > 1) {
+        let at = |(_, node): &(u64, u32)| (cells.points[*node as usize], edges[*node as usize]);
+        pairs_of_box(of_box, at, |(_, a), (_, b)| {
+            if a != b {
+                pairs.push([*b.max(a), *a.min(b)]);
             }
-        }
+        });
     }
     pairs.sort_unstable();
     pairs.dedup_by_key(|pair| pair[0]);
@@ -93,29 +98,52 @@ fn pairs(cells: &Cells) -> Vec<[u32; 2]> {
     pairs
 }
 
-/// The boxes in which each node may meet others: a hash of the box, and the node, rising.
-fn boxes(cells: &Cells, reach: f64) -> Vec<(u64, u32)> {
-    let size = if reach > 0.0 { BOX * reach } else { 1.0 };
-    let mut low = [f64::INFINITY; 3];
-    for point in &cells.points {
-        low.iter_mut().zip(point).for_each(|(low, x)| *low = low.min(*x));
+/// Finds the nodes at one place among those of a box, each of which has a position (m) and a
+/// shortest edge (m).
+pub fn pairs_of_box<N>(
+    nodes: &[N],
+    at: impl Fn(&N) -> ([f64; 3], f64),
+    mut found: impl FnMut(&N, &N),
+) {
+    for (i, a) in nodes.iter().enumerate() {
+        for b in nodes[i + 1..].iter().take(MOST) {
+            let ((p, of_p), (q, of_q)) = (at(a), at(b));
+            if distance(p, q) <= NEAR * of_p.min(of_q) {
+                found(a, b);
+            }
+        }
     }
-    let mut found = Vec::with_capacity(cells.points.len() + cells.points.len() / 2);
-    for (node, point) in (0..).zip(&cells.points) {
+}
+
+/// The boxes into which nodes fall.
+#[derive(Debug, Clone, Copy)]
+pub struct Boxes {
+    reach: f64,
+    size: f64,
+    low: [f64; 3],
+}
+
+impl Boxes {
+    /// Of nodes with edges of at most `longest` (m), of which the least coordinates are `low` (m).
+    pub fn new(longest: f64, low: [f64; 3]) -> Self {
+        let reach = NEAR * longest;
+        Self { reach, size: if reach > 0.0 { BOX * reach } else { 1.0 }, low }
+    }
+
+    /// Tells the hash of each box in which a node may meet others.
+    pub fn of(&self, point: [f64; 3], mut tell: impl FnMut(u64)) {
         let ends = [0, 1, 2].map(|i| {
-            let at = |x: f64| ((x - low[i]) / size + SHIFT).floor() as i64;
-            [at(point[i] - reach), at(point[i] + reach)]
+            let at = |x: f64| ((x - self.low[i]) / self.size + SHIFT).floor() as i64;
+            [at(point[i] - self.reach), at(point[i] + self.reach)]
         });
         for corner in 0..8 {
             let end = |axis: usize| corner >> axis & 1;
             if (0..3).any(|axis| end(axis) == 1 && ends[axis][0] == ends[axis][1]) {
                 continue;
             }
-            found.push((hash([0, 1, 2].map(|axis| ends[axis][end(axis)])), node));
+            tell(hash([0, 1, 2].map(|axis| ends[axis][end(axis)])));
         }
     }
-    found.sort_unstable();
-    found
 }
 
 /// Boxes with the same hash only cost a comparison.
@@ -127,7 +155,7 @@ fn hash(place: [i64; 3]) -> u64 {
 }
 
 /// The shortest edge of the cells around each node.
-fn shortest_edges(cells: &Cells) -> Vec<f64> {
+pub fn shortest_edges(cells: &Cells) -> Vec<f64> {
     let view = cells.view();
     let mut shortest = vec![f64::INFINITY; cells.points.len()];
     for (cell, shape) in cells.shapes.iter().enumerate() {

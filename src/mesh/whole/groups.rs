@@ -52,6 +52,11 @@ impl<'f> Groups<'f> {
         Self { file, dim, counts }
     }
 
+    /// Of a file that is only a part of one, in which the groups have so many elements.
+    pub fn with_counts(file: &'f FileMesh, dim: usize, counts: Vec<usize>) -> Self {
+        Self { file, dim, counts }
+    }
+
     /// The group of this name and dimension.
     pub fn find(&self, name: &str, dim: usize) -> Option<u32> {
         let of = |group: &crate::mesh::import::Group| group.name == name && group.dim == dim;

@@ -11,32 +11,7 @@ use crate::error::Result;
 /// # Errors
 /// `Input` for groups that are not there, and for cells in no or in two materials.
 pub fn assign(cells: &Cells, groups: &Groups, materials: &[MaterialGroups]) -> Result<Vec<u32>> {
-    if let [only] = materials
-        && only.groups.is_empty()
-    {
-        return Ok(vec![0; cells.kinds.len()]);
-    }
-    if let Some(idle) = materials.iter().find(|material| material.groups.is_empty()) {
-        return Err(wrong(format!(
-            "the material `{}` names no group of cells; give them with `on`",
-            idle.name
-        )));
-    }
-    let mut of_groups = Vec::new();
-    for (index, material) in materials.iter().enumerate() {
-        for name in &material.groups {
-            let whose = format!("material `{}`", material.name);
-            of_groups.push((groups.of_cells(name, &whose)?, index as u32));
-        }
-    }
-    let of_set = |set: &Vec<u32>| {
-        let of_group = of_groups.iter().filter(|(group, _)| set.contains(group));
-        let mut found: Vec<u32> = of_group.map(|(_, material)| *material).collect();
-        found.sort_unstable();
-        found.dedup();
-        found
-    };
-    let of_sets: Vec<Vec<u32>> = cells.group_sets.iter().map(of_set).collect();
+    let of_sets = of_sets(groups, &cells.group_sets, materials)?;
     let of_cell = |cell: usize| &of_sets[cells.sets[cell] as usize];
     let with = |is: fn(usize) -> bool| -> Vec<usize> {
         (0..cells.sets.len()).filter(|cell| is(of_cell(*cell).len())).collect()
@@ -61,4 +36,41 @@ pub fn assign(cells: &Cells, groups: &Groups, materials: &[MaterialGroups]) -> R
         )));
     }
     Ok((0..cells.sets.len()).map(|cell| of_cell(cell)[0]).collect())
+}
+
+/// The materials of each set of groups, rising: of a set that cells can have there is one.
+///
+/// # Errors
+/// `Input` for groups that are not there.
+pub fn of_sets(
+    groups: &Groups,
+    sets: &[Vec<u32>],
+    materials: &[MaterialGroups],
+) -> Result<Vec<Vec<u32>>> {
+    if let [only] = materials
+        && only.groups.is_empty()
+    {
+        return Ok(vec![vec![0]; sets.len()]);
+    }
+    if let Some(idle) = materials.iter().find(|material| material.groups.is_empty()) {
+        return Err(wrong(format!(
+            "the material `{}` names no group of cells; give them with `on`",
+            idle.name
+        )));
+    }
+    let mut of_groups = Vec::new();
+    for (index, material) in materials.iter().enumerate() {
+        for name in &material.groups {
+            let whose = format!("material `{}`", material.name);
+            of_groups.push((groups.of_cells(name, &whose)?, index as u32));
+        }
+    }
+    let of_set = |set: &Vec<u32>| {
+        let of_group = of_groups.iter().filter(|(group, _)| set.contains(group));
+        let mut found: Vec<u32> = of_group.map(|(_, material)| *material).collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+    };
+    Ok(sets.iter().map(of_set).collect())
 }

@@ -37,12 +37,30 @@ mod hinges;
 #[cfg(test)]
 mod tests;
 
+pub(super) use cells::{Cells, NONE as NO_MATE, check_copies, corner_count};
+pub(super) use cut::{Copies, cut};
+pub(super) use doubled::shortest_edges;
+pub(super) use facets::{FacetTable, slot};
+pub(super) use groups::Groups;
+pub(super) use jacobian::check as check_jacobians;
+pub(super) use lips::make as make_interfaces;
+pub(super) use materials::of_sets as materials_of_sets;
+pub(super) use plan::{Known, Plan, plan};
+pub(super) use raise::{Middles, middles, raise, shape_of};
+pub(super) use surfaces::{Found as FoundSurface, find as find_surface, finish as finish_surface};
+pub(super) use touching::check_bodies;
+
 pub use across::facing;
+pub use bodies::bodies;
 pub use build::{Keep, build, nested};
-pub use digest::digest;
+pub use build::{is_stiff, locking};
+pub use cells::{check_plane, check_size, orphans_of_cells};
+pub use digest::{Digest, digest, facet as facet_number, shape_number};
+pub use doubled::{Boxes, pairs_of_box};
 pub use dual::dual_graph;
 pub use facet::WholeFacet;
 pub use normals::{area, surface_normals};
+pub use raise::raised;
 pub use refine::{Parent, reference_points};
 pub use request::{InterfacePlace, InterfaceRequest, MaterialGroups, Request};
 pub use types::{Facing, MAX_FACET_NODES, WholeInterface, WholeMesh, WholeSurface};

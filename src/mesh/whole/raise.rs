@@ -59,7 +59,7 @@ pub fn raise(cells: &mut Cells, order: Option<u32>, remarks: &mut Vec<String>) -
 }
 
 /// The shape that cells of a kind get, or why there is none.
-fn shape_of(kind: Kind, is_raised: bool) -> std::result::Result<Shape, &'static str> {
+pub fn shape_of(kind: Kind, is_raised: bool) -> std::result::Result<Shape, &'static str> {
     let (first, second) = match kind {
         Kind::Tri3 => (Shape::Tri3, Shape::Tri6),
         Kind::Quad4 => (Shape::Quad4, Shape::Quad9),
@@ -101,13 +101,12 @@ fn remark(cells: &Cells, remarks: &mut Vec<String>) {
             None => changed.push((*kind, shape.nodes(), 1)),
         }
     }
-    for (kind, nodes, number) in changed {
-        remarks.push(format!(
-            "{} ({}) raised to {nodes} nodes",
-            count(number, "cell"),
-            kind.name()
-        ));
-    }
+    remarks.extend(changed.into_iter().map(|(kind, nodes, number)| raised(kind, nodes, number)));
+}
+
+/// What is to be said of cells of a kind that get so many nodes.
+pub fn raised(kind: Kind, nodes: usize, number: usize) -> String {
+    format!("{} ({}) raised to {nodes} nodes", count(number, "cell"), kind.name())
 }
 
 /// Makes room for the nodes that are to come, so many for each shape; until then they are [`NONE`].

@@ -1,6 +1,6 @@
 //! Bodies that touch where their meshes do not match.
 
-use super::bodies::bodies;
+use super::bodies::bodies_of;
 use super::box_tree::{BoxTree, Extent};
 use super::cells::{Cells, NONE};
 use super::facet::WholeFacet;
@@ -25,11 +25,27 @@ const BEYOND: f64 = -1e-9;
 /// # Errors
 /// `Input` with their number and the first place.
 pub fn check(cells: &Cells, mates: &[u32], plans: &[Plan]) -> Result<()> {
-    let view = cells.view();
-    let (bodies, body_count) = bodies(view);
+    let (bodies, body_count) = bodies_of(cells.view());
     if body_count < 2 {
         return Ok(());
     }
+    let between = plans.iter().filter(|plan| !plan.is_cut);
+    let known = between.flat_map(|p| p.lips.iter().flatten()).copied().collect();
+    check_bodies(cells, mates, known, &bodies)
+}
+
+/// As [`check`], of cells of which the bodies are known; `known` are facets of interfaces `between`
+/// two groups.
+///
+/// # Errors
+/// As [`check`].
+pub fn check_bodies(
+    cells: &Cells,
+    mates: &[u32],
+    mut known: Vec<WholeFacet>,
+    bodies: &[u32],
+) -> Result<()> {
+    let view = cells.view();
     let all = (0..cells.shapes.len()).flat_map(|cell| view.facets(cell));
     let facets: Vec<WholeFacet> = all.filter(|facet| mates[slot(*facet)] == NONE).collect();
     let mut body_of = vec![NONE; cells.points.len()];
@@ -37,9 +53,6 @@ pub fn check(cells: &Cells, mates: &[u32], plans: &[Plan]) -> Result<()> {
         let body = bodies[facet.cell as usize];
         view.facet_nodes(*facet).for_each(|node| body_of[node as usize] = body);
     }
-    let between = plans.iter().filter(|plan| !plan.is_cut);
-    let mut known: Vec<WholeFacet> =
-        between.flat_map(|p| p.lips.iter().flatten()).copied().collect();
     known.sort_unstable();
     let mut is_known = vec![false; cells.points.len()];
     for facet in &known {

@@ -49,6 +49,21 @@ pub fn family(case: &Case) -> Result<MeshFamily> {
     }
 }
 
+/// Why the mesh of a file has to be read whole that was read in slabs: where facets are to be
+/// divided. Local, on the root.
+///
+/// # Errors
+/// `Input` where the case does not fit the dimension of the mesh.
+pub fn divides(case: &Case, family: &MeshFamily) -> Result<Option<String>> {
+    if case.interfaces.is_empty() {
+        return Ok(None);
+    }
+    let case = case.clone().for_dimension(family.facts().dim)?;
+    let found = Found::of(&case, family)?;
+    let why = "facets of interfaces are divided, at which nothing would hold otherwise";
+    Ok((!found.facets.is_empty()).then(|| why.to_owned()))
+}
+
 /// What is found in a mesh.
 #[derive(Debug, Default)]
 struct Found {

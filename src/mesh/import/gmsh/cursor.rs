@@ -1,5 +1,7 @@
 //! A place in the bytes of a file that moves over numbers, in text or in binary.
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::{Error, Result};
 
 /// What to do with a file that ends or breaks off where it must not.
@@ -13,7 +15,7 @@ pub(super) const REWRITE: &str =
 const LONGEST_NAME: usize = 80;
 
 /// How the numbers of a section are written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Encoding {
     Ascii,
     Binary {
@@ -37,6 +39,21 @@ pub(super) struct Cursor<'a> {
 impl<'a> Cursor<'a> {
     pub fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, at: 0, mark: 0, section: String::new(), encoding: Encoding::Ascii }
+    }
+
+    /// In the middle of a section, of which the bytes are a part.
+    pub fn within(bytes: &'a [u8], section: &str, encoding: Encoding) -> Self {
+        Self { bytes, at: 0, mark: 0, section: section.to_owned(), encoding }
+    }
+
+    /// Bytes that were read.
+    pub fn position(&self) -> usize {
+        self.at
+    }
+
+    /// How numbers are written.
+    pub fn encoding(&self) -> Encoding {
+        self.encoding
     }
 
     pub fn set_encoding(&mut self, encoding: Encoding) {

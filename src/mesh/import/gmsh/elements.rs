@@ -68,7 +68,7 @@ pub(super) fn read_v2(cursor: &mut Cursor, nodes: &Nodes, sets: &mut Sets) -> Re
 
 /// The tags of an element of MSH 2.2: the physical group (0 if none), the entity, the partitions.
 /// Its orientation is already that of the group.
-fn read_tags_v2(cursor: &mut Cursor, tags: usize) -> Result<u64> {
+pub(super) fn read_tags_v2(cursor: &mut Cursor, tags: usize) -> Result<u64> {
     let mut group = 0;
     for i in 0..tags {
         let tag = cursor.int()?;
@@ -127,7 +127,7 @@ pub(super) fn read_v4(cursor: &mut Cursor, nodes: &Nodes, entities: &Entities) -
     Ok(reader.blocks)
 }
 
-fn read_kind(cursor: &mut Cursor) -> Result<Kind> {
+pub(super) fn read_kind(cursor: &mut Cursor) -> Result<Kind> {
     let number = cursor.int()?;
     types::kind(number).ok_or_else(|| {
         let name = types::foreign_name(number);

@@ -1,10 +1,12 @@
 //! The first section: the version, and how numbers are written.
 
+use serde::{Deserialize, Serialize};
+
 use super::cursor::{Cursor, Encoding, shown};
 use crate::error::Result;
 
 /// The versions that are read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Version {
     /// 2.2
     V2,

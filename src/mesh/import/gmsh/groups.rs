@@ -66,6 +66,17 @@ impl Sets {
         Self { list: vec![Vec::new()], places: BTreeMap::from([(Vec::new(), 0)]) }
     }
 
+    /// Those of a list, of which the first one is empty.
+    pub fn of(list: Vec<Vec<Tag>>) -> Self {
+        let places = list.iter().cloned().zip(0..).collect();
+        Self { list, places }
+    }
+
+    /// All of them.
+    pub fn list(&self) -> Vec<Vec<Tag>> {
+        self.list.clone()
+    }
+
     /// The number of a set, which is new or known; its groups in any order.
     pub fn place(&mut self, mut tags: Vec<Tag>) -> u32 {
         tags.sort_unstable();

@@ -8,7 +8,11 @@ mod cursor;
 mod elements;
 mod format;
 mod groups;
+mod layout;
 mod nodes;
+mod remarks;
+mod rows;
+mod source;
 mod types;
 
 #[cfg(test)]
@@ -22,6 +26,11 @@ use elements::{Blocks, UNCUT};
 use format::Version;
 use groups::{Entities, Names, Sets};
 use nodes::Nodes;
+use remarks::{orphans_of_elements, without_elements};
+
+pub use layout::Layout;
+pub use rows::Slabs;
+pub use source::{OpenFile, Source};
 
 /// Reads the bytes of a mesh file of Gmsh.
 ///
@@ -151,21 +160,7 @@ fn remark_on_groups(mesh: &mut FileMesh, version: Version) {
             is_used[*group as usize] = true;
         }
     }
-    if is_used.is_empty() || !is_used.contains(&false) {
-        return;
-    }
-    if version == Version::V2 && !is_used.contains(&true) {
-        mesh.remarks.push(
-            "the file names groups, but no element belongs to one, as in MSH 2.2 with \
-             Mesh.SaveAll = 1; write it with Mesh.SaveAll = 0, or in version 4.1"
-                .to_owned(),
-        );
-        return;
-    }
-    let unused = mesh.groups.iter().zip(&is_used).filter(|(_, is_used)| !**is_used);
-    let names: Vec<_> =
-        unused.map(|(group, _)| format!("{} (dimension {})", group.name, group.dim)).collect();
-    mesh.remarks.push(format!("groups without elements: {}", names.join(", ")));
+    mesh.remarks.extend(without_elements(&mesh.groups, &is_used, version));
 }
 
 /// Takes out the nodes of no element.
@@ -178,7 +173,7 @@ fn drop_orphans(mesh: &mut FileMesh) {
     if orphans == 0 {
         return;
     }
-    mesh.remarks.push(format!("nodes of no element, left out: {orphans}"));
+    mesh.remarks.extend(orphans_of_elements(orphans));
     let mut places = vec![0; is_used.len()];
     let kept = places.iter_mut().zip(&is_used).filter(|(_, is_used)| **is_used);
     for ((place, _), index) in kept.zip(0..) {

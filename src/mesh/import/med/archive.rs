@@ -2,6 +2,7 @@
 //! longer than what the file can hold.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 use std::path::Path;
 
 use ::hdf5::dataset::Layout;
@@ -170,6 +171,31 @@ impl Folder {
             return Err(self.wrong_type(name, &kind, "whole numbers"));
         }
         dataset.read_raw().map_err(|cause| self.unread(name, &cause))
+    }
+
+    /// Some of a list of whole numbers.
+    pub fn integers_in(&self, name: &str, rows: Range<usize>) -> Told<Vec<i64>> {
+        let (dataset, kind) = self.list(name, size_of::<i64>())?;
+        if !matches!(kind, TypeDescriptor::Integer(_)) {
+            return Err(self.wrong_type(name, &kind, "whole numbers"));
+        }
+        let read = dataset.read_slice_1d::<i64, _>(rows);
+        read.map(|list| list.to_vec()).map_err(|cause| self.unread(name, &cause))
+    }
+
+    /// Some of a list of numbers, all of them finite or not.
+    pub fn reals_in(&self, name: &str, rows: Range<usize>) -> Told<Vec<f64>> {
+        let (dataset, kind) = self.list(name, size_of::<f64>())?;
+        if !matches!(kind, TypeDescriptor::Float(_)) {
+            return Err(self.wrong_type(name, &kind, "floating-point numbers"));
+        }
+        let read = dataset.read_slice_1d::<f64, _>(rows);
+        read.map(|list| list.to_vec()).map_err(|cause| self.unread(name, &cause))
+    }
+
+    /// The length of a list of numbers of eight bytes at most.
+    pub fn length(&self, name: &str) -> Told<usize> {
+        Ok(self.list(name, size_of::<f64>())?.0.size())
     }
 
     /// A list of numbers, all of them finite or not.

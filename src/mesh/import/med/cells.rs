@@ -4,15 +4,16 @@ use super::archive::{Folder, Told};
 use crate::mesh::import::Kind;
 
 /// A type of elements of the format.
-struct Type {
+pub struct Type {
     name: &'static str,
-    kind: Kind,
+    /// Our kind.
+    pub kind: Kind,
     /// The place in the file's element of each of our nodes: cells have the opposite orientation.
-    order: &'static [u8],
+    pub order: &'static [u8],
 }
 
 #[rustfmt::skip]
-const TYPES: [Type; 18] = [
+static TYPES: [Type; 18] = [
     Type { name: "PO1", kind: Kind::Point1, order: &[0] },
     Type { name: "SE2", kind: Kind::Line2, order: &[0, 1] },
     Type { name: "SE3", kind: Kind::Line3, order: &[0, 1, 2] },
@@ -76,13 +77,18 @@ pub struct Cells {
     pub families: Vec<i64>,
 }
 
+/// The type of elements of a name.
+pub fn element(name: &str) -> Option<&'static Type> {
+    TYPES.iter().find(|element| element.name == name)
+}
+
 /// Reads all elements of a step of `points` nodes.
 pub fn read(step: &Folder, points: usize) -> Told<Vec<Cells>> {
     let all = step.folder("MAI")?;
     let mut found = Vec::new();
     for name in all.members()? {
         let of_type = all.folder(&name)?;
-        let Some(element) = TYPES.iter().find(|element| element.name == name) else {
+        let Some(element) = element(&name) else {
             let known = REFUSED.iter().find(|(refused, _)| *refused == name);
             let what = known.map_or("a type that is not known here", |(_, what)| what);
             return Err(format!(

@@ -4,7 +4,7 @@ mod walk;
 pub mod med;
 
 use column_hpc::error::Error;
-use column_hpc::mesh::import::{FileMesh, gmsh as format};
+use column_hpc::mesh::import::{FileMesh, Pieces, gmsh as format};
 
 use super::accepted;
 
@@ -27,6 +27,9 @@ impl Meter for NoMeter {
     }
 }
 
+/// Rows of a piece.
+const ROWS: u64 = 64;
+
 /// A reader takes no more bytes than this for each byte of the file, ...
 const MOST_PER_BYTE: usize = 64;
 /// ... and these.
@@ -41,10 +44,48 @@ pub fn gmsh(bytes: &[u8], meter: &impl Meter) {
         assert!(has_place || words.starts_with('$'), "no place in: {words}");
         assert!(words.len() < 1000, "{} bytes of words", words.len());
     }
+    let in_pieces = measured(bytes.len(), meter, || cells_in_pieces(bytes));
     if let Some(mesh) = accepted(read) {
+        // Pieces may refuse what the reader takes, but find nothing else.
+        if let Some(cells) = accepted(in_pieces) {
+            assert!(cells_of(&mesh) <= cells, "{} cells and {cells} in pieces", cells_of(&mesh));
+        }
         sound(&mesh);
         walk::walk(&mesh, walk::MOST_REFINED);
     }
+}
+
+/// The number of cells that are found when the layout is found first, and every piece is read by
+/// itself.
+fn cells_in_pieces(bytes: &[u8]) -> Result<usize, Error> {
+    let layout = format::Layout::of(&bytes, ROWS)?;
+    let slabs = format::Slabs { layout, source: bytes };
+    let (mut sets, mut counts) = (slabs.sets(), [0; 4]);
+    for (piece, rows) in slabs.node_rows().into_iter().enumerate() {
+        let nodes = slabs.nodes(piece)?;
+        assert_eq!(nodes.points.len() as u64, rows);
+        assert_eq!(nodes.numbers.len(), nodes.points.len());
+        assert!(nodes.points.iter().flatten().all(|x| x.is_finite()));
+    }
+    for (piece, rows) in slabs.element_rows().into_iter().enumerate() {
+        let elements = slabs.elements(piece, &mut sets)?;
+        assert_eq!(elements.iter().map(|of| of.sets.len() as u64).sum::<u64>(), rows);
+        for of in &elements {
+            assert_eq!(of.nodes.len(), of.kind.nodes() * of.sets.len());
+            assert!(of.sets.iter().all(|set| (*set as usize) < sets.len()));
+            counts[of.kind.dim()] += of.sets.len();
+        }
+    }
+    let (groups, of_sets) = slabs.groups(sets)?;
+    assert!(of_sets.iter().flatten().all(|group| (*group as usize) < groups.len()));
+    Ok(counts.into_iter().rev().find(|count| *count > 0).unwrap_or(0))
+}
+
+/// The number of cells of a mesh.
+fn cells_of(mesh: &FileMesh) -> usize {
+    let dim = mesh.blocks.iter().map(|block| block.kind.dim()).max().unwrap_or(0);
+    let of_cells = mesh.blocks.iter().filter(|block| block.kind.dim() == dim);
+    of_cells.map(|block| block.numbers.len()).sum()
 }
 
 /// Reads, and holds the memory against the size of the file.
