@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Times eight instants of the column, with its mesh from a file, against one bare PETSc solve.
 
-    scripts/bench_files.py --meshes DIR        makes the meshes (pip install gmsh==4.15.2)
-    scripts/bench_files.py --keep DIR [--ranks 1 2] [--repeats 5] [--scenes hex,tet10,...]
+    scripts/bench_files.py --make --meshes DIR        makes the meshes (pip install gmsh==4.15.2)
+    scripts/bench_files.py --meshes DIR [--keep DIR] [--ranks 1 2] [--repeats 5] [--scenes hex,tet10,...]
 
 The path is that of WTNV146 with nu = 0.3. Scenes: `hex` of 24 x 24 x 120 hexahedra, `tet10` of tetrahedra of second
 order, `hex-refined` and `tet10-refined` with a file four times as coarse and `refine: 2`. The bare solve

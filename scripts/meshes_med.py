@@ -163,6 +163,22 @@ def plane(folder):
     file_of([faces, edges], groups).write(str(folder / "med_plane2.med"), 2)
 
 
+def clockwise(folder):
+    """What MEDCoupling makes of a lattice: all quadrilaterals run clockwise, which it counts as positive."""
+    lattice = mc.MEDCouplingCMesh("part")
+    lattice.setCoords(mc.DataArrayDouble([0.0, 1.0, 3.0]), mc.DataArrayDouble([0.0, 0.5, 1.0]))
+    faces = second_order(lattice.buildUnstructured(), False)
+    assert all(area > 0 for area in faces.getMeasureField(False).getArray().getValues()), "areas"
+    edges = faces.buildDescendingConnectivity()[0]
+    edges.setCoords(faces.getCoords())
+    middles = edges.computeCellCenterOfMass().getValuesAsTuple()
+    at = {"foot": (1, 0.0), "head": (1, 1.0), "left": (0, 0.0), "right": (0, 3.0), "joint": (1, 0.5)}
+    groups = {0: {"rock": [0, 1, 2, 3]}, -1: {
+        name: [i for i, middle in enumerate(middles) if abs(middle[axis] - where) < 1e-9]
+        for name, (axis, where) in at.items()}}
+    file_of([faces, edges], groups).write(str(folder / "med_clockwise.med"), 2)
+
+
 def cut(folder):
     """An inner face to be cut along, and two bodies whose faces lie on each other without common nodes."""
     points = BOXES + [(x, y, z + 3.0) for x, y, z in BOXES[:8]]
@@ -175,7 +191,7 @@ def cut(folder):
 def main():
     folder = pathlib.Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
-    for write in (hexes, tets, mixed, plane, cut):
+    for write in (hexes, tets, mixed, plane, clockwise, cut):
         write(folder)
 
 

@@ -123,3 +123,31 @@ fn a_side_that_is_uneven_by_rounding_carries_its_traction() {
         }
     }
 }
+
+/// A mesh whose cells all run clockwise, as MEDCoupling writes them, under a uniform stress.
+#[test]
+fn a_mesh_seen_from_behind_carries_a_uniform_stress() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/meshes/med_clockwise.med");
+    let yaml = format!(
+        "
+mesh: {{file: \"{path}\"}}
+materials: {{rock: {{elastic: {{young_modulus: 1.0e9, poisson_ratio: 0.25}}}}}}
+interfaces: [{{name: joint, on: joint, law: {{tied: {{}}}}}}]
+boundary:
+  - {{on: foot, displacement: {{y: 0}}}}
+  - {{on: left, displacement: {{x: 0}}}}
+  - {{on: head, traction: {{normal: -1.0e6}}}}
+time: {{instants: [1]}}
+"
+    );
+    let run = Scene::new("clockwise", &yaml).on(2);
+    for (column, expected) in [
+        ("joint.normal_traction.min", -1.0e6),
+        ("joint.normal_traction.max", -1.0e6),
+        ("joint.force_y", -3.0e6),
+        ("foot.reaction_y", 3.0e6),
+    ] {
+        let found = run.column(column)[0];
+        assert!((found / expected - 1.0).abs() < 1e-10, "{}: {column} {found}", run.label);
+    }
+}

@@ -161,3 +161,16 @@ fn a_plane_mesh_lies_at_z_0_and_loses_the_node_that_nothing_uses() {
     let says = "nodes that no element uses are left out: 1 of 7, of which 1 in families";
     assert_eq!(mesh.remarks, [says]);
 }
+
+/// Quadrilaterals of MEDCoupling, which runs them clockwise, stand the right way round when read.
+#[test]
+fn cells_that_all_run_clockwise_are_turned_round() {
+    let mesh = read("clockwise");
+    assert_sound(&mesh);
+    assert_eq!(geometry::total(&mesh, 2), 3.0);
+    geometry::assert_middles(&mesh);
+    let words = mesh.remarks.iter().filter(|words| words.contains("all 4 cells run clockwise"));
+    assert_eq!(words.count(), 1, "{:?}", mesh.remarks);
+    let counts = elements(&mesh);
+    assert_eq!([counts[&("rock", 2)], counts[&("joint", 1)], counts[&("left", 1)]], [4, 2, 2]);
+}

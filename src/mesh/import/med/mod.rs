@@ -9,6 +9,7 @@ mod families;
 mod groups;
 mod head;
 mod nodes;
+mod plane;
 mod slab;
 
 use std::path::Path;
@@ -43,5 +44,7 @@ fn mesh_of(top: &Folder) -> Told<FileMesh> {
     let mut cells = cells::read(&step, nodes.points.len())?;
     nodes::drop_orphans(&mut nodes, &mut cells, &mut remarks);
     let families = families::read(top, &name, &mut remarks)?;
-    groups::assemble(nodes, cells, families, remarks)
+    let mut mesh = groups::assemble(nodes, cells, families, remarks)?;
+    plane::face_up(&mut mesh);
+    Ok(mesh)
 }
