@@ -1,6 +1,6 @@
 //! Meshes of files that no rank holds whole.
 //!
-//! Every rank has some cells with those around them ([`piece`]), and all have the cells behind
+//! Every rank has some cells with those around them (`piece`), and all have the cells behind
 //! surfaces and interfaces ([`Skeleton`]). What is decided around a node is decided where all its
 //! cells are, and what is told of groups where all their facets are, by the code for whole meshes.
 //! Names come out as they do there. Nothing here communicates.
