@@ -111,6 +111,19 @@ fn bodies_that_can_only_move_together_are_found() {
     }
 }
 
+/// Displacements far beyond the mesh, here by a stiffness in wrong units, end the run.
+#[test]
+fn displacements_that_go_astray_end_the_run() {
+    let scene = scene(&[[0.0, 0.0]], [1.0; 2], &[], "");
+    let soft = |modulus: &str| {
+        scene.set(&format!("materials.body.elastic.young_modulus={modulus}")).attempt(2)
+    };
+    let failure = soft("1.0e-3").err().expect("an end");
+    assert_eq!(failure.status, Some(3), "{}", failure.complaint);
+    assert!(failure.complaint.contains("the displacements reach"), "{}", failure.complaint);
+    assert!(soft("1.0e3").is_ok());
+}
+
 /// Sides that are even up to rounding carry their tractions.
 #[test]
 fn a_side_that_is_uneven_by_rounding_carries_its_traction() {

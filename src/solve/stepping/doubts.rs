@@ -78,28 +78,23 @@ impl Stepper<'_> {
     /// iterations make of a singular tangent, whose forces are then large enough to seem balanced.
     /// Collective.
     fn astray(&self, time: f64) -> Option<String> {
-        let all = &self.problem.all;
-        let (points, dim) = (&all.nodes.points, all.dim);
-        // The extent along x, y, z, and the largest displacements, prescribed and others.
-        let mut most = [f64::NEG_INFINITY; 8];
-        for (node, point) in points.iter().enumerate().take(all.nodes.owned) {
-            for i in 0..3 {
-                most[i] = most[i].max(point[i]);
-                most[3 + i] = most[3 + i].max(-point[i]);
-            }
+        let (all, dim) = (&self.problem.all, self.problem.all.dim);
+        // Of prescribed displacements, and of the others.
+        let mut most = [0.0_f64; 2];
+        for node in 0..all.nodes.owned {
             for (c, u) in self.problem.displacement[node * dim..][..dim].iter().enumerate() {
-                let kind = if all.prescribed[node][c] { 6 } else { 7 };
+                let kind = usize::from(!all.prescribed[node][c]);
                 most[kind] = most[kind].max(u.abs());
             }
         }
         self.problem.comm.max(&mut most);
-        let size = (0..3).map(|i| most[i] + most[3 + i]).fold(0.0, f64::max);
-        let scale = size.max(most[6]);
-        (most[7] > ASTRAY * scale).then(|| {
+        let [prescribed, free] = most;
+        let size = self.problem.mesh.size.iter().fold(0.0_f64, |size, x| size.max(*x));
+        (free > ASTRAY * size.max(prescribed)).then(|| {
             format!(
-                "at time {time} the displacements reach {:.1e} m in a mesh of {size:.1e} m: nothing \
-                 holds some part of it; look for parts that can turn or slide, and hold them",
-                most[7]
+                "at time {time} the displacements reach {free:.1e} m in a mesh of {size:.1e} m: nothing \
+                 holds some part of it, or the units of loads and stiffness do not agree; look for \
+                 parts that can turn or slide, and hold them"
             )
         })
     }
