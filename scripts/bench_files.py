@@ -125,8 +125,8 @@ class FileBench(Bench):
         super().__init__(folder, 1e6, limit)
         self.meshes = meshes
         self.bare = Path(raw_best.HERE) / "raw_mesh"
-        source = Path(raw_best.HERE) / "raw_mesh.c"
-        if not self.bare.exists() or self.bare.stat().st_mtime < source.stat().st_mtime:
+        sources = [Path(raw_best.HERE) / name for name in ("raw_mesh.c", "raw_common.h")]
+        if not self.bare.exists() or self.bare.stat().st_mtime < max(s.stat().st_mtime for s in sources):
             subprocess.run([raw_best.HERE / "build.sh", self.bare, "raw_mesh"], check=True)
 
     def run(self, name, ranks, number, settings):

@@ -34,7 +34,7 @@ def program():
     if given:
         return given
     built = HERE / "raw_elastic"
-    sources = [HERE / "raw_elastic.c", HERE / "raw_hex.h"]
+    sources = [HERE / "raw_elastic.c", HERE / "raw_common.h", HERE / "raw_hex.h"]
     if not built.exists() or built.stat().st_mtime < max(source.stat().st_mtime for source in sources):
         subprocess.run([HERE / "build.sh", built], check=True)
     return str(built)

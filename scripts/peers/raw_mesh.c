@@ -10,7 +10,8 @@
 #include <petscksp.h>
 #include <stdio.h>
 #include <sys/resource.h>
-#include <time.h>
+
+#include "raw_common.h"
 
 static const PetscReal YOUNG = 5.8e9, NU = 0.3;
 enum { MOST = 10 };
@@ -26,20 +27,6 @@ typedef struct {
     int points;
     double weight[8], slope[8][3][MOST];
 } Rule;
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return t.tv_sec + 1e-9 * t.tv_nsec;
-}
-
-static double slowest(double seconds)
-{
-    double all;
-    MPI_Allreduce(&seconds, &all, 1, MPI_DOUBLE, MPI_MAX, PETSC_COMM_WORLD);
-    return all;
-}
 
 static PetscErrorCode mesh_read(const char *path, Mesh *m)
 {
@@ -237,32 +224,8 @@ static PetscErrorCode assemble(const Mesh *m, PetscInt first, PetscInt end, cons
     PetscFunctionReturn(0);
 }
 
-/* Sets options that the command line has not set. */
-static PetscErrorCode defaults(const char *const pairs[][2])
-{
-    PetscFunctionBeginUser;
-    for (; (*pairs)[0]; pairs++) {
-        PetscBool given;
-        PetscCall(PetscOptionsHasName(NULL, NULL, (*pairs)[0], &given));
-        if (!given) PetscCall(PetscOptionsSetValue(NULL, (*pairs)[0], (*pairs)[1]));
-    }
-    PetscFunctionReturn(0);
-}
-
 static PetscErrorCode solver_create(const Mesh *m, PetscInt first, PetscInt end, Mat matrix, const char *name, KSP *ksp)
 {
-    static const char *const boomeramg[][2] = {{"-pc_type", "hypre"},
-                                               {"-pc_hypre_type", "boomeramg"},
-                                               {"-pc_hypre_boomeramg_strong_threshold", "0.5"},
-                                               {"-pc_hypre_boomeramg_agg_nl", "1"},
-                                               {"-pc_hypre_boomeramg_relax_type_all", "Chebyshev"},
-                                               {NULL, NULL}};
-    static const char *const gamg[][2] = {{"-pc_type", "gamg"},
-                                          {"-pc_gamg_threshold", "0.02"},
-                                          {"-pc_gamg_agg_nsmooths", "1"},
-                                          {"-mg_levels_ksp_type", "chebyshev"},
-                                          {"-mg_levels_pc_type", "jacobi"},
-                                          {NULL, NULL}};
     PetscFunctionBeginUser;
     PetscCheck(!strcmp(name, "gamg") || !strcmp(name, "boomeramg"), PETSC_COMM_WORLD, PETSC_ERR_ARG_WRONG,
                "-solver boomeramg|gamg, not %s", name);
