@@ -97,10 +97,12 @@ impl Directions {
 
     /// Those at nodes of the given rising names, by their places among them.
     pub(super) fn of_nodes(&self, names: &[u64]) -> Self {
-        let place = |name: u32| {
-            let place = names.binary_search(&u64::from(name)).ok()?;
-            Some(place as u32)
-        };
+        self.renumbered(|name| names.binary_search(&u64::from(name)).ok())
+    }
+
+    /// Those at nodes that keep a number, with their new ones.
+    pub(super) fn renumbered(&self, number: impl Fn(u32) -> Option<usize>) -> Self {
+        let place = |node: u32| number(node).map(|new| new as u32);
         let of_lips = self.of_lips.iter();
         let of_surfaces = self.of_surfaces.iter();
         let middles = self.middles.iter();

@@ -119,9 +119,9 @@ impl MeshFamily {
                 let few = facts.coarser.iter().take_while(|cells| **cells < fewest).count();
                 facts.coarser.drain(..few);
                 meshes.drain(..few.min(meshes.len()));
-                return !facts.coarser.is_empty();
+                return facts.has_coarser();
             }
-            Source::Slabs(..) => return false,
+            Source::Slabs(part, _) => return part.facts.has_coarser(),
         };
         let levels = columns[columns.len() - 1].hierarchy(fewest);
         let has_levels = levels.len() > 1;

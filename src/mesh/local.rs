@@ -57,6 +57,17 @@ pub struct Interpolation {
 }
 
 impl Interpolation {
+    /// That of nodes with these names of coarse nodes and parts.
+    pub(super) fn from_rows(rows: &[Vec<(u64, f64)>]) -> Self {
+        let mut all = Self { start: vec![0], ..Self::default() };
+        for row in rows {
+            all.names.extend(row.iter().map(|(name, _)| *name));
+            all.weights.extend(row.iter().map(|(_, part)| *part));
+            all.start.push(all.names.len() as u32);
+        }
+        all
+    }
+
     /// That of nodes by number; a node without a number depends on none.
     pub(super) fn of(&self, numbers: impl Iterator<Item = Option<usize>>) -> Self {
         let mut all = Self { start: vec![0], is_of_file: true, ..Self::default() };

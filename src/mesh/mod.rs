@@ -7,6 +7,7 @@
 mod directions;
 mod facts;
 mod family;
+mod first_order;
 pub mod import;
 mod lattice;
 mod local;

@@ -37,15 +37,7 @@ impl LocalMesh {
                 row.extend(all.filter(|(_, value)| value.abs() > ROUNDING));
             }
         }
-        let mut parents = Interpolation { start: vec![0], ..Interpolation::default() };
-        for (name, weight) in rows.iter().flatten() {
-            parents.names.push(*name);
-            parents.weights.push(*weight);
-        }
-        for row in &rows {
-            parents.start.push(parents.start[parents.start.len() - 1] + row.len() as u32);
-        }
-        self.parents = parents;
+        self.parents = Interpolation::from_rows(&rows);
     }
 }
 
@@ -103,6 +95,29 @@ mod tests {
                 for (mut part, held) in fine.parts(&rank_of, 3).into_iter().zip(held) {
                     part.depend_on(fine, coarse);
                     check(&part, &held, coarse);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn nodes_of_second_order_lie_between_the_corners_on_their_side() {
+        let on = InterfacePlace::On { group: "joint".into(), flip: false };
+        for name in ["turned/tet10", "turned/prism18"] {
+            let mesh = &meshes(name, on.clone())[0];
+            let rank_of: Vec<i32> = (0..mesh.cells()).map(|cell| (cell % 2) as i32).collect();
+            for part in mesh.parts(&rank_of, 2) {
+                let held = part.of_first_order();
+                check(&part, &held, mesh);
+                assert!(held.nodes.names.len() * 3 < part.nodes.names.len());
+                assert!((0..held.cells.len()).all(|cell| held.shape(cell).order() == 1));
+                let count = held.directions.of_lips.len();
+                assert!(count > 0 && count < part.directions.of_lips.len());
+                for one in &held.directions.of_lips {
+                    let name = held.nodes.names[one.node as usize];
+                    let node = part.nodes.number(name).expect("a node of the part") as u32;
+                    let normal = part.directions.of_lip(node, one.interface as usize);
+                    assert_eq!(normal, Some(one.normal), "{name}");
                 }
             }
         }

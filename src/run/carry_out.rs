@@ -114,7 +114,7 @@ fn build<'a>(
     let comm = &runtime.comm;
     fault::strike(comm, "mesh")?;
     let facts = family.facts();
-    let mut choice = LinearChoice::new(case, &facts);
+    let mut choice = LinearChoice::new(case, &facts)?;
     let fewest = COARSEST_CELLS * comm.size() as u64;
     if choice.preset == MULTIGRID && !family.coarsen(fewest) {
         choice = choice.without_levels(case, &facts);

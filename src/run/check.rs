@@ -39,7 +39,7 @@ pub fn describe(case: &Case) -> Result<String> {
     let facts = family.facts();
     let case = &case.clone().for_dimension(facts.dim)?;
     let unknowns = facts.nodes * case.dim as u64 + pressures(case, &facts);
-    let choice = LinearChoice::new(case, &facts);
+    let choice = LinearChoice::new(case, &facts)?;
     let sides = Sides::choose(case, &facts);
     if facts.nodes <= MOST_NODES {
         on_whole_mesh(case, &family.whole()?, &sides)?;

@@ -80,7 +80,7 @@ fn instants(
 ) -> Result<Solved> {
     let comm = &alone.comm;
     let mesh = candidate.mesh();
-    let choice = LinearChoice::new(narrow, &mesh.facts);
+    let choice = LinearChoice::new(narrow, &mesh.facts)?;
     let small = BoundaryValueProblem::new(comm, narrow, mesh)?;
     let mut model = solve::build(alone, timers, narrow, choice, small, Vec::new())?;
     let probes = probes::locate(comm, narrow, &model.mesh)?;

@@ -174,7 +174,9 @@ fn levels(
         return Ok(levels);
     }
     let mut below: Option<LocalMesh> = None;
-    for mesh in coarser {
+    let first = coarser.first().unwrap_or(finest);
+    let of_first_order = (first.is_of_file() && first.order() > 1).then(|| first.of_first_order());
+    for mesh in of_first_order.into_iter().chain(coarser) {
         // Where no node of its own holds a facet, the matrix of the coarse mesh can be singular.
         if has_lost_facets(comm, case, &mesh, sides) {
             (levels, below) = (Vec::new(), None);

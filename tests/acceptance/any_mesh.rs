@@ -152,6 +152,21 @@ fn refined() {
     check(&column("tet4-apart", APART).set("mesh.refine=1").scattered().on(3));
 }
 
+/// Below cells of second order multigrid has their corners as a level.
+#[test]
+fn second_order_with_multigrid() {
+    for (name, interface, ranks) in
+        [("tet10", CONFORMING, 3), ("prism18", CONFORMING, 1), ("hex27-apart", APART, 2)]
+    {
+        let run = column(name, interface).set("solver.linear=multigrid").scattered().on(ranks);
+        assert_eq!(run.report["linear_solver"]["choice"], "multigrid");
+        let [linear, corrections] = ["linear_iterations", "newton_iterations"]
+            .map(|name| run.column(name).iter().sum::<f64>());
+        assert!(linear <= 15.0 * corrections, "{}: {linear} over {corrections}", run.label);
+        check(&run);
+    }
+}
+
 /// The meshes that refinement makes are the levels of multigrid.
 #[test]
 fn refined_with_multigrid() {

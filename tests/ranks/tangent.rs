@@ -112,7 +112,7 @@ fn check(runtime: &Runtime, case: &Case, method: Method) -> BTreeSet<Branch> {
     let comm = &runtime.comm;
     let timers = Timers::new();
     let mut family = MeshFamily::new(case).expect("a mesh");
-    let choice = LinearChoice::new(case, &family.facts());
+    let choice = LinearChoice::new(case, &family.facts()).expect("a choice");
     if choice.preset == MULTIGRID {
         assert!(family.coarsen(4), "levels");
     }

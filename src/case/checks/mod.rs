@@ -2,7 +2,6 @@
 
 mod checker;
 mod control;
-mod file_mesh;
 mod flow;
 mod fluid;
 mod initial;
@@ -86,8 +85,6 @@ impl Checker<'_> {
         if mesh.column().is_some() {
             self.boxes(&mesh, &materials, &interfaces, flow.is_some());
             self.held(&mesh, &interfaces, &boundary);
-        } else {
-            self.not_yet_on_files(&file);
         }
         write_out(&mut file, path, physics);
         let gravity = self.by_axis(file.gravity.as_deref().unwrap_or_default());

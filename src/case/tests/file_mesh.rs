@@ -281,11 +281,6 @@ fn a_mistake_in_a_case_with_a_mesh_file_is_told() {
             "body_force={normal: 1}",
             "body_force.normal acts inside the cells, where there is no normal",
         ),
-        (
-            "solver={linear: multigrid}",
-            "solver.linear multigrid needs coarser meshes, which the mesh of a file has where \
-             mesh.refine makes it finer; take auto, gamg, hypre or mumps",
-        ),
     ] {
         let text = message(&[assignment, "expect=[]"]);
         assert!(text.lines().any(|line| line.ends_with(&format!(": {expected}"))), "{text}");

@@ -124,6 +124,9 @@ impl LocalMesh {
     pub fn interpolation(&self, coarse: &Self, names: &[u64]) -> Interpolation {
         let mut all = Interpolation { start: vec![0], ..Interpolation::default() };
         let (Some(fine), Some(coarse)) = (&self.lattice, &coarse.lattice) else {
+            if coarse.is_of_corners {
+                return self.by_corners(names);
+            }
             return self.parents.of(names.iter().map(|name| self.nodes.number(*name)));
         };
         for name in names {

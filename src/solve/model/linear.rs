@@ -1,6 +1,7 @@
 //! The linear solver: presets, the choice between them, and how far systems are solved.
 
 use crate::case::{Case, Form, Linear};
+use crate::error::{Error, Result};
 use crate::mesh::MeshFacts;
 use crate::petsc::{LinearTolerance, Trial};
 
@@ -99,8 +100,8 @@ const FEWEST_FOR_LEVELS: f64 = 3000.0;
 /// Up to so many unknowns the mesh of a file is eliminated, in 2D and in 3D.
 const MOST_OF_FILE: [f64; 2] = [3e5, 6e4];
 
-/// Elimination is taken below this many unknowns of a refined file.
-const FEWEST_REFINED: f64 = 1e4;
+/// Elimination is taken below this many unknowns of a file with coarser meshes.
+const FEWEST_NESTED: f64 = 1e4;
 
 /// Above this Poisson's ratio multigrid needs more than a hundred iterations.
 const HARD_TO_SMOOTH: f64 = 0.495;
@@ -108,20 +109,32 @@ const HARD_TO_SMOOTH: f64 = 0.495;
 const MOST_FOR_ELIMINATION: f64 = 1.5e5;
 
 impl LinearChoice {
-    /// The preset the case names, or the one that suits the size and shape of the problem.
-    pub fn new(case: &Case, mesh: &MeshFacts) -> Self {
+    /// The preset the case names, or the one that suits the size and shape of the problem. Local.
+    ///
+    /// # Errors
+    /// `Input` for multigrid on the mesh of a file without coarser ones.
+    pub fn new(case: &Case, mesh: &MeshFacts) -> Result<Self> {
         if case.solver.form == Form::SaddlePoint {
             let why = "form: saddle_point, whose tangent is not symmetric: LU".into();
-            return Self { preset: "mumps", why, options: MUMPS_LU.to_vec() };
+            return Ok(Self { preset: "mumps", why, options: MUMPS_LU.to_vec() });
         }
-        match case.solver.linear {
+        let is_asked = case.solver.linear == Linear::Multigrid;
+        if is_asked && case.mesh.file().is_some() && !mesh.has_coarser() {
+            return Err(Error::Input(
+                "solver.linear multigrid needs coarser meshes, which the mesh of a file has where \
+                 mesh.refine makes it finer, or its cells are of second order; take auto, \
+                 aggregation or mumps"
+                    .into(),
+            ));
+        }
+        Ok(match case.solver.linear {
             Linear::Mumps => Self::named("mumps", "asked for".into()),
             Linear::Aggregation => Self::named(AGGREGATION, "asked for".into()),
             Linear::Gamg => Self::named("gamg", "asked for".into()),
             Linear::Hypre => Self::named("hypre", "asked for".into()),
             Linear::Multigrid => Self::named(MULTIGRID, "asked for".into()),
             Linear::Auto => Self::automatic(case, mesh),
-        }
+        })
     }
 
     /// The choice in the place of multigrid for a mesh that has no coarser level: elimination, or
@@ -172,7 +185,7 @@ impl LinearChoice {
             );
         }
         if case.mesh.file().is_some() {
-            return Self::refined(mesh, unknowns)
+            return Self::nested(mesh, unknowns)
                 .unwrap_or_else(|| Self::for_file(mesh.dim, unknowns));
         }
         let why = "coarser lattices of the column make iterations cheap and few";
@@ -181,13 +194,21 @@ impl LinearChoice {
 }
 
 impl LinearChoice {
-    /// Multigrid where refinement has left coarser meshes, the coarsest so small that elimination
-    /// of it is cheap.
-    fn refined(mesh: &MeshFacts, unknowns: f64) -> Option<Self> {
-        let coarsest = *mesh.coarser.first()? as f64 / mesh.cells.max(1) as f64 * unknowns;
-        let is_small = unknowns < FEWEST_REFINED || coarsest > MOST_OF_FILE[mesh.dim - 2];
-        let why = "coarser meshes, which refinement has left, make iterations cheap and few";
-        (!is_small).then(|| Self::named(MULTIGRID, format!("{unknowns:.0} unknowns: {why}")))
+    /// Multigrid where a file has coarser meshes, the coarsest so small that elimination of it is
+    /// cheap.
+    fn nested(mesh: &MeshFacts, unknowns: f64) -> Option<Self> {
+        let coarsest = mesh.coarsest_nodes() * mesh.dim as f64;
+        if !mesh.has_coarser() || unknowns < FEWEST_NESTED || coarsest > MOST_OF_FILE[mesh.dim - 2]
+        {
+            return None;
+        }
+        let meshes = match (mesh.coarser.is_empty(), mesh.order) {
+            (true, _) => "cells of first order",
+            (false, 1) => "coarser meshes, which refinement has left,",
+            (false, _) => "coarser meshes, which refinement has left, and cells of first order",
+        };
+        let why = format!("{unknowns:.0} unknowns: {meshes} make iterations cheap and few");
+        Some(Self::named(MULTIGRID, why))
     }
 
     /// The mesh of a file may have no coarser ones: elimination, up to where its fill costs more
