@@ -227,7 +227,7 @@ pub fn hinges_are_seen(runtime: &Runtime) {
     let text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n\
                 1 1 \"left\"\n2 1 \"rock\"\n$EndPhysicalNames\n$Nodes\n7\n1 0 0 0\n2 1 0 0\n3 1 1 0\n\
                 4 0 1 0\n5 2 1 0\n6 2 2 0\n7 1 2 0\n$EndNodes\n$Elements\n3\n\
-                1 1 2 0 1 1 4\n2 3 2 0 1 1 2 3 4\n3 3 2 0 1 3 5 6 7\n$EndElements\n";
+                1 1 2 1 1 1 4\n2 3 2 1 1 1 2 3 4\n3 3 2 1 1 3 5 6 7\n$EndElements\n";
     let file = std::env::temp_dir().join(format!("column-hpc-hinge-{}.msh", comm.size()));
     if comm.is_root() {
         std::fs::write(&file, text).expect("a file");
