@@ -9,6 +9,7 @@ use crate::signals;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::Communicator;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
+use std::ptr::NonNull;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::{env, panic, process, ptr};
 
@@ -163,16 +164,60 @@ fn keep_libraries() {
     }
 }
 
+/// A function of the C library, where it has it.
+fn of_c(name: &CStr) -> Option<NonNull<c_void>> {
+    // SAFETY: a null handle and a name that ends with a zero.
+    NonNull::new(unsafe { dlsym(ptr::null_mut(), name.as_ptr()) })
+}
+
 /// Gives memory that is free back to the system, where the C library can: what was large for a
 /// moment then adds nothing to what is large later. Local.
 pub fn give_back_memory() {
-    // SAFETY: a null handle and a name that ends with a zero.
-    let found = unsafe { dlsym(ptr::null_mut(), c"malloc_trim".as_ptr()) };
-    if !found.is_null() {
+    if let Some(found) = of_c(c"malloc_trim") {
         // SAFETY: glibc has it with this signature.
         let trim =
-            unsafe { std::mem::transmute::<*mut c_void, extern "C" fn(usize) -> c_int>(found) };
+            unsafe { std::mem::transmute::<NonNull<c_void>, extern "C" fn(usize) -> c_int>(found) };
         trim(0);
+    }
+}
+
+/// Arrays above a size get pages of their own, which go back to the system with them, as long as
+/// this is there. Open MPI forbids that at its start: all that was ever taken stays then, in
+/// pieces, and arrays that grow are copied.
+pub struct OwnPages(());
+
+impl OwnPages {
+    /// Bytes of the smallest array that gets pages of its own.
+    const LEAST: c_int = 128 << 10;
+    /// The same afterwards: the largest that glibc chooses when large arrays come and go.
+    const AFTERWARDS: c_int = 32 << 20;
+
+    /// Local.
+    pub fn start() -> Self {
+        Self::set(Self::LEAST, Self::LEAST);
+        Self(())
+    }
+
+    fn set(mapped: c_int, kept: c_int) {
+        // As in glibc's malloc.h, where the number of such arrays is 65536 by default.
+        const TRIM_THRESHOLD: c_int = -1;
+        const MMAP_THRESHOLD: c_int = -3;
+        const MMAP_MAX: c_int = -4;
+        if let Some(found) = of_c(c"mallopt") {
+            // SAFETY: glibc has it with this signature.
+            let set = unsafe {
+                std::mem::transmute::<NonNull<c_void>, extern "C" fn(c_int, c_int) -> c_int>(found)
+            };
+            set(MMAP_MAX, 65_536);
+            set(MMAP_THRESHOLD, mapped);
+            set(TRIM_THRESHOLD, kept);
+        }
+    }
+}
+
+impl Drop for OwnPages {
+    fn drop(&mut self) {
+        Self::set(Self::AFTERWARDS, 2 * Self::AFTERWARDS);
     }
 }
 

@@ -109,22 +109,7 @@ impl WholeMesh {
                 (rank_of[facet.cell as usize] == rank as i32)
                     .then(|| Facet { cell: places[facet.cell as usize], facet: facet.facet })
             };
-            let surface = |facets: &Vec<WholeFacet>| sorted(facets.iter().filter_map(own));
-            part.surfaces = self.surfaces.iter().map(|s| surface(&s.facets)).collect();
-            for (interface, far) in self.interfaces.iter().zip(&far) {
-                let lips = interface.lips.each_ref().map(&surface);
-                let facing = [0, 1].map(|lip| {
-                    let facets = lips[lip].iter();
-                    let whole = facets.map(|facet| WholeFacet {
-                        cell: part.cells[facet.cell as usize] as u32,
-                        facet: facet.facet,
-                    });
-                    let of = whole.map(|facet| far[lip].get(&facet).map_or(&[][..], Vec::as_slice));
-                    of.map(|far| far.iter().map(|f| self.far_facet(*f)).collect()).collect()
-                });
-                part.lips.push(lips);
-                part.facing.push(facing);
-            }
+            part.add_groups(self, &far, &own, &|facet| self.far_facet(facet));
             part.directions = directions.of_nodes(&part.nodes.names);
             part
         };
@@ -163,13 +148,6 @@ impl WholeMesh {
             connectivity.extend(self.cell_nodes(cell).iter().map(|n| local[*n as usize]));
             start.push(connectivity.len() as u32);
         }
-        let of_cell =
-            |cell: &u64| (self.shapes[*cell as usize], self.materials[*cell as usize] as usize);
-        let points = |cell: usize, points: &mut Vec<[f64; 3]>| {
-            let nodes = self.cell_nodes(cells[cell] as usize).iter();
-            points.extend(nodes.map(|n| self.points[*n as usize]));
-        };
-        let (cell_prototype, prototypes) = prototypes(cells.iter().map(of_cell), self.axes, points);
         let at = |name: &u64| *name as usize;
         let nodes = Places {
             points: names.iter().map(|name| self.points[at(name)]).collect(),
@@ -177,23 +155,10 @@ impl WholeMesh {
             names,
         };
         nodes.names.iter().for_each(|name| local[at(name)] = NOT_HERE);
-        LocalMesh {
-            coarse_cells: facts.cells,
-            facts,
-            cells,
-            cell_prototype,
-            prototypes,
-            start,
-            connectivity,
-            nodes,
-            surfaces: Vec::new(),
-            lips: Vec::new(),
-            facing: Vec::new(),
-            directions: Directions::default(),
-            is_of_corners: false,
-            parents: Interpolation::default(),
-            lattice: None,
-        }
+        let shapes: Vec<Shape> = cells.iter().map(|cell| self.shapes[at(cell)]).collect();
+        let materials = cells.iter().map(|cell| self.materials[at(cell)]).collect();
+        let part = BarePart { cells, materials, start, connectivity, nodes };
+        LocalMesh::bare(facts, part, shapes.into_iter())
     }
 
     /// Body, surfaces and lip of every node.
@@ -228,7 +193,7 @@ impl WholeMesh {
     }
 
     /// By interface and lip, the facets of the other lip that may face each facet.
-    pub(super) fn far_facets(&self) -> Vec<[BTreeMap<WholeFacet, Vec<WholeFacet>>; 2]> {
+    pub(super) fn far_facets(&self) -> FarFacets {
         let of_interface = |interface: &WholeInterface| {
             let mut far = <[BTreeMap<WholeFacet, Vec<WholeFacet>>; 2]>::default();
             let [lower, upper] = &interface.lips;
@@ -323,26 +288,105 @@ impl WholeMesh {
     }
 }
 
-/// The prototype of each of some cells, told by shape and material, and the prototypes; `points`
-/// adds the positions of the nodes (m) of a cell by its place.
-pub(super) fn prototypes(
-    cells: impl Iterator<Item = (Shape, usize)>,
+/// By interface and lip, the facets of the other lip that may face each facet.
+pub(super) type FarFacets = Vec<[BTreeMap<WholeFacet, Vec<WholeFacet>>; 2]>;
+
+/// The cells of a rank with their nodes by number.
+pub(super) struct BarePart {
+    /// Their names, rising.
+    pub cells: Vec<u64>,
+    /// Their materials.
+    pub materials: Vec<u32>,
+    /// First node of each, and the end.
+    pub start: Vec<u32>,
+    /// Nodes of the cells.
+    pub connectivity: Vec<u32>,
+    /// The nodes, by rising name.
+    pub nodes: Places,
+}
+
+impl LocalMesh {
+    /// The part of a rank of the mesh of a file, before it is told of surfaces and interfaces.
+    pub(super) fn bare(
+        facts: MeshFacts,
+        part: BarePart,
+        shapes: impl Iterator<Item = Shape>,
+    ) -> Self {
+        let BarePart { cells, materials, start, connectivity, nodes } = part;
+        let points = |cell: usize, points: &mut Vec<[f64; 3]>| {
+            let of_cell = &connectivity[start[cell] as usize..start[cell + 1] as usize];
+            points.extend(of_cell.iter().map(|node| nodes.points[*node as usize]));
+        };
+        let (cell_prototype, prototypes) = prototypes(shapes, materials, facts.axes, points);
+        Self {
+            coarse_cells: facts.cells,
+            facts,
+            cells,
+            cell_prototype,
+            prototypes,
+            start,
+            connectivity,
+            nodes,
+            surfaces: Vec::new(),
+            lips: Vec::new(),
+            facing: Vec::new(),
+            directions: Directions::default(),
+            is_of_corners: false,
+            parents: Interpolation::default(),
+            lattice: None,
+        }
+    }
+
+    /// Adds the facets on surfaces and on lips, and those that may face the latter.
+    ///
+    /// # Arguments
+    /// * `own` tells a facet of the mesh by the numbers of this rank, if it is one of its cells
+    /// * `named` tells a facet by names
+    pub(super) fn add_groups(
+        &mut self,
+        mesh: &WholeMesh,
+        far: &FarFacets,
+        own: &dyn Fn(&WholeFacet) -> Option<Facet>,
+        named: &dyn Fn(WholeFacet) -> FarFacet,
+    ) {
+        for surface in &mesh.surfaces {
+            let mut facets: Vec<Facet> = surface.facets.iter().filter_map(own).collect();
+            facets.sort_unstable();
+            self.surfaces.push(facets);
+        }
+        for (interface, far) in mesh.interfaces.iter().zip(far) {
+            let (mut lips, mut facing) = (<[Vec<Facet>; 2]>::default(), [Vec::new(), Vec::new()]);
+            for lip in [0, 1] {
+                let of_lip = interface.lips[lip].iter();
+                let mut rows: Vec<(Facet, &WholeFacet)> =
+                    of_lip.filter_map(|facet| Some((own(facet)?, facet))).collect();
+                rows.sort_unstable_by_key(|(facet, _)| *facet);
+                for (facet, whole) in rows {
+                    let far = far[lip].get(whole).map_or(&[][..], Vec::as_slice);
+                    lips[lip].push(facet);
+                    facing[lip].push(far.iter().map(|far| named(*far)).collect());
+                }
+            }
+            self.lips.push(lips);
+            self.facing.push(facing);
+        }
+    }
+}
+
+/// The prototypes of some cells, told by shape and material, with the number of each cell's in the
+/// place of its material; `points` adds the positions of the nodes (m) of a cell by its place.
+fn prototypes(
+    shapes: impl Iterator<Item = Shape>,
+    mut materials: Vec<u32>,
     axes: &[usize],
     points: impl Fn(usize, &mut Vec<[f64; 3]>),
 ) -> (Vec<u32>, Vec<Prototype>) {
     let (mut prototypes, mut of_cell) = (Prototypes::default(), Vec::new());
-    let mut numbers = Vec::with_capacity(cells.size_hint().0);
-    for (cell, (shape, material)) in cells.enumerate() {
+    for ((cell, number), shape) in materials.iter_mut().enumerate().zip(shapes) {
         of_cell.clear();
         points(cell, &mut of_cell);
-        let geometry = Geometry::of(shape, &of_cell, axes);
-        numbers.push(prototypes.number(Prototype { geometry, material, shape }));
+        let (geometry, material) = (Geometry::of(shape, &of_cell, axes), *number as usize);
+        *number = prototypes.number(Prototype { geometry, material, shape });
     }
-    (numbers, prototypes.list)
-}
-
-fn sorted(facets: impl Iterator<Item = Facet>) -> Vec<Facet> {
-    let mut facets: Vec<Facet> = facets.collect();
-    facets.sort_unstable_by_key(|facet| (facet.cell, facet.facet));
-    facets
+    (materials, prototypes.list)
 }

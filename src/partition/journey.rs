@@ -42,3 +42,19 @@ pub fn everywhere<T: Serialize + DeserializeOwned>(comm: &Comm, what: &T) -> Res
 pub fn joined<T: Serialize + DeserializeOwned + Clone>(comm: &Comm, list: &[T]) -> Result<Vec<T>> {
     Ok(everywhere(comm, &list.to_vec())?.concat())
 }
+
+/// The same on the root only: what takes much memory stays off the other ranks. Collective.
+///
+/// # Errors
+/// As [`pack`].
+pub fn on_root<T: Serialize + DeserializeOwned + Clone>(
+    comm: &Comm,
+    list: &[T],
+) -> Result<Option<Vec<T>>> {
+    let bytes = comm.agree(pack(&list))?;
+    let parts = comm.gather(&bytes);
+    drop(bytes);
+    let of_rank = |part: Vec<u8>| unpack::<Vec<T>>(&part);
+    let lists = parts.map(|parts| parts.into_iter().map(of_rank).collect::<Result<Vec<_>>>());
+    Ok(comm.agree(lists.transpose())?.map(|lists| lists.concat()))
+}

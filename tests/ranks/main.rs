@@ -3,7 +3,7 @@
 //! Started by `cargo test`, the program launches itself under `mpirun`; there it runs the functions
 //! of the lists below in their order, the same on every rank. A word on the command line chooses
 //! the tests whose names contain it. `mpirun -n N PROGRAM under-mpirun import FILE` measures the
-//! import of a mesh.
+//! import of a mesh, `compare CASE...` tells where meshes read in slabs differ from whole ones.
 
 #![allow(clippy::print_stdout)] // the runner's own report
 
@@ -49,6 +49,7 @@ const TESTS: &[Test] = &[
     ("aggregation_without_couplings", aggregation::without_couplings),
     ("slabs_are_those_read_whole", slabs::are_those_read_whole),
     ("slabs_tell_damage_alike", slabs::damage_is_told_alike),
+    ("slabs_see_hinges", slabs::hinges_are_seen),
     ("log_stages", linear_algebra::log_stages),
 ];
 
@@ -155,6 +156,10 @@ fn inside(args: &[String]) {
         }
         "import" => {
             slabs::measure(&runtime, &args[1..]);
+            runtime.exit(0)
+        }
+        "compare" => {
+            slabs::compare(&runtime, &args[1..]);
             runtime.exit(0)
         }
         way => end_badly(runtime, way),

@@ -113,20 +113,63 @@ pub fn are_those_read_whole(runtime: &Runtime) {
         let read = |import| read(comm, &case, import, method).expect("a mesh");
         let (whole, slabs) = (read(Import::Whole), read(Import::Slabs));
         let name = format!("{} with {:?}", given.0, given.3);
-        assert_eq!(whole.facts, slabs.facts, "{name}");
-        assert_eq!(whole.mesh.facts, slabs.mesh.facts, "{name}");
-        let (said, mut of_slabs) = (&whole.remarks, slabs.remarks.clone());
-        if !given.5.is_empty() && comm.is_root() {
-            let last = of_slabs.pop().unwrap_or_default();
-            assert!(last.contains("not in slabs") && last.contains(given.5), "{name}: {last}");
+        let why = difference(comm, &whole, &slabs).unwrap_or_else(|what| panic!("{name}: {what}"));
+        assert!(!comm.is_root() || why.is_empty() == given.5.is_empty(), "{name}: {why}");
+        assert!(!comm.is_root() || why.contains(given.5), "{name}: {why}");
+    }
+}
+
+/// Why one rank has to read a mesh, if it has, of which all that is known is the same read either
+/// way; else what differs.
+fn difference(comm: &Comm, whole: &Part, slabs: &Part) -> std::result::Result<String, String> {
+    if whole.facts != slabs.facts || whole.mesh.facts != slabs.mesh.facts {
+        return Err(format!("{:?} and {:?}", whole.facts, slabs.facts));
+    }
+    let (said, mut of_slabs) = (&whole.remarks, slabs.remarks.clone());
+    let mut why = String::new();
+    if of_slabs.last().is_some_and(|last| last.contains("not in slabs")) {
+        why = of_slabs.pop().unwrap_or_default();
+    }
+    // What rank 0 has to say.
+    if comm.is_root() && *said != of_slabs {
+        return Err(format!("{said:?} and {of_slabs:?}"));
+    }
+    let list = |part: &Part| serde_json::to_value(&part.mesh).expect("arrays");
+    let (whole, slabs) = (list(whole), list(slabs));
+    for (field, value) in whole.as_object().expect("fields") {
+        if *value != slabs[field] {
+            return Err(format!("{field}: {value} and {}", slabs[field]));
         }
-        // What rank 0 has to say.
-        assert!(!comm.is_root() || *said == of_slabs, "{name}: {said:?} and {of_slabs:?}");
-        let list = |part: &Part| serde_json::to_value(&part.mesh).expect("arrays");
-        let (whole, slabs) = (list(&whole), list(&slabs));
-        let fields = whole.as_object().expect("fields");
-        for (field, value) in fields {
-            assert!(*value == slabs[field], "{name}: {field}: {value} and {}", slabs[field]);
+    }
+    Ok(why)
+}
+
+/// Compares the meshes of many cases, read whole and in slabs, and prints what differs: a random
+/// search is done by hand.
+pub fn compare(runtime: &Runtime, paths: &[String]) {
+    let comm = &runtime.comm;
+    let say = |words: String| comm.is_root().then(|| println!("{words}"));
+    for path in paths {
+        let text = std::fs::read_to_string(path).expect("a case");
+        let Ok(case) = Case::read(&text, std::path::Path::new(path), &[]) else {
+            say(format!("{path}: NO CASE"));
+            continue;
+        };
+        for method in [Method::Scattered, Method::Metis] {
+            let read = |import| read(comm, &case, import, method);
+            let told = match (read(Import::Whole), read(Import::Slabs)) {
+                (Ok(whole), Ok(slabs)) => difference(comm, &whole, &slabs),
+                (Err(whole), Err(slabs)) if whole == slabs => Ok(format!("refused: {whole}")),
+                (whole, slabs) => Err(format!("{:?} and {:?}", whole.err(), slabs.err())),
+            };
+            let is_other = comm.any(told.is_err());
+            match told {
+                Err(what) => {
+                    println!("{path}: {method:?}: rank {}: OTHER: {what:.900}", comm.rank())
+                }
+                Ok(why) if !is_other => drop(say(format!("{path}: {method:?}: same. {why}"))),
+                Ok(_) => {}
+            }
         }
     }
 }
@@ -175,6 +218,31 @@ pub fn damage_is_told_alike(runtime: &Runtime) {
     }
     if comm.is_root() {
         std::fs::remove_dir_all(&directory).expect("a directory of ours");
+    }
+}
+
+/// Two squares that share a node only: one rank reads them, and knows what hangs on what.
+pub fn hinges_are_seen(runtime: &Runtime) {
+    let comm = &runtime.comm;
+    let text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n\
+                1 1 \"left\"\n2 1 \"rock\"\n$EndPhysicalNames\n$Nodes\n7\n1 0 0 0\n2 1 0 0\n3 1 1 0\n\
+                4 0 1 0\n5 2 1 0\n6 2 2 0\n7 1 2 0\n$EndNodes\n$Elements\n3\n\
+                1 1 2 1 1 1 4\n2 3 2 1 1 1 2 3 4\n3 3 2 1 1 3 5 6 7\n$EndElements\n";
+    let file = std::env::temp_dir().join(format!("column-hpc-hinge-{}.msh", comm.size()));
+    if comm.is_root() {
+        std::fs::write(&file, text).expect("a file");
+    }
+    comm.barrier();
+    let case = case_of(&file.to_string_lossy(), "", ROCK, "", &["left"]);
+    let read = |import| read(comm, &case, import, Method::Scattered).expect("a mesh");
+    let (whole, slabs) = (read(Import::Whole), read(Import::Slabs));
+    assert_eq!(whole.facts.hinges.nodes.len(), 1);
+    assert_eq!(whole.facts, slabs.facts);
+    let why = slabs.remarks.last().cloned().unwrap_or_default();
+    assert!(!comm.is_root() || why.contains("hang on others"), "{why}");
+    comm.barrier();
+    if comm.is_root() {
+        std::fs::remove_file(&file).expect("a file of ours");
     }
 }
 

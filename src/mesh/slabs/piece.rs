@@ -7,10 +7,10 @@
 use super::head::Head;
 use super::key::{self, Key};
 use crate::element::Shape;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::mesh::whole::{
-    Cells, Copies, FacetTable, Middles, NO_MATE, WholeFacet, check_copies, check_jacobians, cut,
-    middles, raise, shortest_edges, slot,
+    Cells, Copies, FacetTable, Middles, NO_MATE, WholeFacet, are_pinched, check_copies,
+    check_jacobians, cut, middles, raise, shortest_edges, slot,
 };
 
 /// A cell that is given to a piece.
@@ -51,7 +51,7 @@ pub struct Made {
 ///
 /// # Errors
 /// `Input` for what is wrong with the cells, in the words of the whole mesh, with counts of the
-/// piece.
+/// piece; and for cells that share a node, but no facets there.
 pub fn piece(
     head: &Head,
     given: &[Given<'_>],
@@ -65,12 +65,12 @@ pub fn piece(
     let mut cells = cells_of(head, given, &names, point);
     check_copies(&mut cells)?;
     raise(&mut cells, is_raised.then_some(2), &mut Vec::new())?;
-    check_jacobians(&cells)?;
+    let own = || (0..given.len()).filter(|cell| given[*cell].is_own);
+    check_jacobians(&cells, own())?;
     let table = FacetTable::new(cells.view());
     let mut mates = table.mates(&cells)?;
     drop(table);
     let mut made = Made { shortest: shortest_edges(&cells), ..Made::default() };
-    let own = || (0..given.len()).filter(|cell| given[*cell].is_own);
     let outer = own().flat_map(|cell| cells.view().facets(cell));
     let outer = outer.filter(|facet| mates[slot(*facet)] == NO_MATE);
     made.boundary = outer.map(|facet| (given[facet.cell as usize].name, facet.facet)).collect();
@@ -82,6 +82,11 @@ pub fn piece(
     for cell in own() {
         cells.view().cell_nodes(cell).iter().for_each(|node| is_own[*node as usize] = true);
         made.nodes.extend_from_slice(cells.view().cell_nodes(cell));
+    }
+    if are_pinched(&cells, &mates, &|node| is_own[node as usize]) {
+        return Err(Error::Input(
+            "some of its cells hang on others by nodes or edges alone".into(),
+        ));
     }
     // A node whose first sector lies beside the cells that are asked for is theirs all the same.
     for copy in copies.base()..cells.points.len() as u32 {

@@ -10,8 +10,9 @@ use crate::mesh::facts::Hinges;
 use crate::mesh::family::{add_connected, check_surfaces};
 use crate::mesh::import::Group;
 use crate::mesh::whole::{
-    Cells, Copies, FacetTable, FoundSurface, Known, NO_MATE, Plan, Request, WholeMesh,
-    check_copies, corner_count, find_surface, finish_surface, make_interfaces, plan, raise, slot,
+    Cells, Copies, FacetTable, FoundSurface, InterfacePlace, Known, NO_MATE, Plan, Request,
+    WholeFacet, WholeMesh, check_copies, corner_count, facing_of_lips, find_surface,
+    finish_surface, make_interfaces, plan, raise, slot,
 };
 
 /// Which cells are behind surfaces and interfaces.
@@ -24,7 +25,7 @@ pub struct Behind {
 
 /// Whether a group is one that the case asks for.
 pub fn is_wanted(request: &Request, dim: usize, group: &Group) -> bool {
-    use crate::mesh::whole::InterfacePlace::{Between, On};
+    use InterfacePlace::{Between, On};
     let of_interface = request.interfaces.iter().any(|interface| match &interface.place {
         On { group: name, .. } => *name == group.name,
         Between { lower, upper, .. } => [lower, upper].contains(&&group.name),
@@ -173,6 +174,22 @@ impl Skeleton {
             facets.map(|facet| (self.names[facet.cell as usize], facet.facet)).collect();
         cuts.sort_unstable();
         cuts
+    }
+
+    /// Pairs of cells, by name, that face each other across an interface.
+    pub fn facing(&self, request: &Request) -> Vec<[u32; 2]> {
+        let mut pairs = Vec::new();
+        for (plan, request) in self.plans.iter().zip(&request.interfaces) {
+            let has_gap = matches!(request.place, InterfacePlace::Between { has_gap: true, .. });
+            if plan.is_cut {
+                let [lower, upper] = &plan.lips;
+                pairs.extend(lower.iter().zip(upper).map(|(one, other)| [*one, *other]));
+            } else {
+                pairs.extend(facing_of_lips(self.cells.view(), &plan.lips, has_gap));
+            }
+        }
+        let name = |facet: WholeFacet| self.names[facet.cell as usize];
+        pairs.into_iter().map(|pair| pair.map(name)).collect()
     }
 
     /// The mesh of these cells after cutting.

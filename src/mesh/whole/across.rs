@@ -3,6 +3,7 @@
 use super::box_tree::{BoxTree, Extent};
 use super::facet::WholeFacet;
 use super::types::{WholeInterface, WholeMesh};
+use super::view::View;
 
 /// How far apart facets of sides that lie on each other may be, against the diagonal of the lower
 /// one.
@@ -17,12 +18,20 @@ const MOST_STEPS: usize = 10_000;
 /// Facets face each other when the cosine of their normals is below this.
 const FACING: f64 = -0.3;
 
-/// Facets of the lower and of the upper lip that may face each other: where the sides have to lie
-/// on each other those whose boxes meet; with a gap those that meet the way from one of them along
-/// its normal.
+/// Facets of the lower and of the upper lip of an interface that may face each other.
 pub fn facing(mesh: &WholeMesh, interface: &WholeInterface) -> Vec<[WholeFacet; 2]> {
-    let [lower, upper] = interface.lips.each_ref().map(|lip| Side::new(mesh, lip));
-    if !interface.has_gap {
+    facing_of_lips(mesh.view(), &interface.lips, interface.has_gap)
+}
+
+/// Facets of two lips that may face each other: where the sides have to lie on each other those
+/// whose boxes meet; with a gap those that meet the way from one of them along its normal.
+pub fn facing_of_lips(
+    view: View<'_>,
+    lips: &[Vec<WholeFacet>; 2],
+    has_gap: bool,
+) -> Vec<[WholeFacet; 2]> {
+    let [lower, upper] = lips.each_ref().map(|lip| Side::new(view, lip));
+    if !has_gap {
         let mut pairs = Vec::new();
         for (facet, seen) in lower.facets.iter().zip(&lower.seen) {
             let met = upper.tree.meeting(&seen.extent.grown(REACH * seen.extent.diagonal()));
@@ -60,8 +69,8 @@ struct Side<'a> {
 }
 
 impl<'a> Side<'a> {
-    fn new(mesh: &WholeMesh, facets: &'a [WholeFacet]) -> Self {
-        let seen: Vec<Seen> = facets.iter().map(|facet| Seen::of(mesh, *facet)).collect();
+    fn new(view: View<'_>, facets: &'a [WholeFacet]) -> Self {
+        let seen: Vec<Seen> = facets.iter().map(|facet| Seen::of(view, *facet)).collect();
         let tree = BoxTree::new(seen.iter().map(|seen| seen.extent).collect());
         Self { facets, seen, tree }
     }
@@ -112,8 +121,7 @@ impl<'a> Side<'a> {
 }
 
 impl Seen {
-    fn of(mesh: &WholeMesh, facet: WholeFacet) -> Self {
-        let view = mesh.view();
+    fn of(view: View<'_>, facet: WholeFacet) -> Self {
         let corners = view.facet_corners(facet);
         let at = |i: usize| view.points[corners[i] as usize];
         let minus = |p: [f64; 3], q: [f64; 3]| -> [f64; 3] { [0, 1, 2].map(|i| p[i] - q[i]) };

@@ -8,7 +8,7 @@ use crate::mesh::DualGraph;
 /// Weight of the edge between two cells that share a facet.
 const SHARED: i32 = 1;
 /// Weight of the edge between two cells that face each other across an interface.
-const FACING: i32 = 4;
+pub const FACING: i32 = 4;
 /// An edge, seen from the first of its cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Edge {

@@ -2,9 +2,10 @@
 
 use super::across::facing;
 use super::bodies::root;
-use super::cells::NONE;
+use super::cells::{Cells, NONE};
 use super::facets::{of_slot, slot};
 use super::types::WholeMesh;
+use crate::element::Shape;
 use crate::mesh::facts::{HingeNode, Hinges, Part};
 
 /// More parts than this are not looked at.
@@ -64,6 +65,46 @@ pub fn hinges(mesh: &WholeMesh, mates: &[u32]) -> Hinges {
     };
     found.nodes = shared.iter().map(hinge).collect();
     found
+}
+
+/// Whether around some wanted corner, all of whose cells are here, these do not hang together by
+/// facets at it, or whether it lies in the middle of another cell's edge or facet. Where that is
+/// nowhere, no part hangs on another by nodes alone.
+pub fn are_pinched(cells: &Cells, mates: &[u32], is_wanted: &dyn Fn(u32) -> bool) -> bool {
+    let view = cells.view();
+    // Of the places of nodes in cells, which facets join.
+    let mut roots: Vec<u32> = (0..cells.nodes.len() as u32).collect();
+    let place = |cell: usize, node: u32| {
+        let local = view.cell_nodes(cell).iter().position(|other| *other == node);
+        cells.start[cell] + local.unwrap_or_default() as u32
+    };
+    for facet in (0..cells.shapes.len()).flat_map(|cell| view.facets(cell)) {
+        let (cell, mate) = (facet.cell as usize, mates[slot(facet)]);
+        if mate == NONE || of_slot(mate).cell < facet.cell {
+            continue;
+        }
+        let other = of_slot(mate).cell as usize;
+        let corners = view.facet_nodes(facet).take(view.corner_count(facet));
+        for node in corners.filter(|node| is_wanted(*node)) {
+            let [one, other] = [cell, other].map(|cell| root(&mut roots, place(cell, node)));
+            roots[one.max(other) as usize] = one.min(other);
+        }
+    }
+    let mut of_node = vec![NONE; cells.points.len()];
+    for (cell, shape) in cells.shapes.iter().enumerate() {
+        let places = cells.start[cell]..;
+        for (place, node) in places.zip(&view.cell_nodes(cell)[..shape.corners().nodes()]) {
+            let (root, seen) = (root(&mut roots, place), &mut of_node[*node as usize]);
+            if *seen != NONE && *seen != root && is_wanted(*node) {
+                return true;
+            }
+            *seen = root;
+        }
+    }
+    let middles =
+        |(cell, shape): (usize, &Shape)| &view.cell_nodes(cell)[shape.corners().nodes()..];
+    let mut middles = cells.shapes.iter().enumerate().flat_map(middles);
+    middles.any(|node| of_node[*node as usize] != NONE)
 }
 
 /// The part of each cell, where cells hang together by facets, and the number of parts.

@@ -34,17 +34,26 @@ impl Rule {
 /// # Errors
 /// `Input` with their number and the first of them.
 pub fn check(cells: &Cells) -> Result<()> {
+    check_some(cells, 0..cells.shapes.len())
+}
+
+/// As [`check`], of some cells only.
+///
+/// # Errors
+/// As [`check`].
+pub fn check_some(cells: &Cells, some: impl Iterator<Item = usize>) -> Result<()> {
     let rules: Vec<Rule> = Shape::ALL.map(Rule::new).into();
     let view = cells.view();
     let mut turned = Vec::new();
     let mut bad = Vec::new();
-    for (cell, shape) in cells.shapes.iter().enumerate() {
+    for cell in some {
+        let shape = cells.shapes[cell];
         let mut points = [[0.0; 3]; MAX_NODES];
         let nodes = view.cell_nodes(cell);
         for (point, node) in points.iter_mut().zip(nodes) {
             *point = cells.points[*node as usize];
         }
-        let rule = &rules[*shape as usize];
+        let rule = &rules[shape as usize];
         let at = |gradients| relative(&points[..nodes.len()], gradients, shape.dim());
         if rule.gradients.iter().all(|gradients| at(gradients) > ZERO) {
             continue;

@@ -37,12 +37,14 @@ mod hinges;
 #[cfg(test)]
 mod tests;
 
+pub(super) use across::facing_of_lips;
 pub(super) use cells::{Cells, NONE as NO_MATE, check_copies, corner_count};
 pub(super) use cut::{Copies, cut};
 pub(super) use doubled::shortest_edges;
 pub(super) use facets::{FacetTable, slot};
 pub(super) use groups::Groups;
-pub(super) use jacobian::check as check_jacobians;
+pub(super) use hinges::are_pinched;
+pub(super) use jacobian::check_some as check_jacobians;
 pub(super) use lips::make as make_interfaces;
 pub(super) use materials::of_sets as materials_of_sets;
 pub(super) use plan::{Known, Plan, plan};
@@ -57,7 +59,7 @@ pub use build::{is_stiff, locking};
 pub use cells::{check_plane, check_size, orphans_of_cells};
 pub use digest::{Digest, digest, facet as facet_number, shape_number};
 pub use doubled::{Boxes, pairs_of_box};
-pub use dual::dual_graph;
+pub use dual::{FACING, dual_graph};
 pub use facet::WholeFacet;
 pub use normals::{area, surface_normals};
 pub use raise::raised;

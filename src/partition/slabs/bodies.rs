@@ -100,9 +100,9 @@ pub fn all_bodies(
     homes: &Homes,
     names: impl Iterator<Item = u32>,
     (mut of_nodes, firsts): (Vec<u32>, Vec<u32>),
-    cells: &[u64],
+    cells: &[u32],
 ) -> Result<(Vec<u32>, usize)> {
-    let firsts: Vec<u32> = firsts.iter().map(|cell| cells[*cell as usize] as u32).collect();
+    let firsts: Vec<u32> = firsts.iter().map(|cell| cells[*cell as usize]).collect();
     let nodes = names.zip(of_nodes.iter().copied()).filter(|(_, body)| *body != u32::MAX);
     let (bodies, count) = merge(comm, homes, nodes, &firsts)?;
     for body in of_nodes.iter_mut().filter(|body| **body != u32::MAX) {

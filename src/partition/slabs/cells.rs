@@ -1,5 +1,7 @@
 //! The cells that a rank has read.
 
+use std::ops::Range;
+
 use crate::mesh::import::{Elements, Kind};
 use crate::mesh::slabs::{KindRange, Numbers};
 
@@ -39,8 +41,15 @@ pub struct Cells {
 impl Chunk {
     /// Its cells.
     pub fn iter(&self) -> impl Iterator<Item = Cell<'_>> {
-        let rows = self.nodes.chunks(self.kind.nodes()).zip(&self.sets);
-        (self.first..).zip(rows).map(|(name, (nodes, set))| Cell { name, nodes, set: *set })
+        self.rows(0..self.sets.len())
+    }
+
+    /// Some of its cells.
+    pub fn rows(&self, rows: Range<usize>) -> impl Iterator<Item = Cell<'_>> {
+        let (width, first) = (self.kind.nodes(), self.first + rows.start as u32);
+        let nodes = self.nodes[width * rows.start..width * rows.end].chunks(width);
+        let cells = nodes.zip(&self.sets[rows]);
+        (first..).zip(cells).map(|(name, (nodes, set))| Cell { name, nodes, set: *set })
     }
 }
 

@@ -6,7 +6,7 @@ use crate::mesh::slabs::{Part, Star};
 use crate::mesh::whole::{Digest, facet_number, shape_number};
 
 /// Nodes or cells that go through the root at once.
-const STEP: u64 = 1 << 15;
+const STEP: u64 = 1 << 13;
 
 /// The digest that the whole mesh would have. Collective.
 ///

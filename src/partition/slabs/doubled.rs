@@ -1,57 +1,47 @@
 //! Nodes of any ranks at one place that are not one node.
 
-use super::pieces::Work;
 use crate::comm::Comm;
 use crate::error::{Error, Result};
+use crate::mesh::Places;
 use crate::mesh::whole::{Boxes, pairs_of_box};
 
-/// The nodes are looked at in rounds of about so many, and not more rounds than these, so that no
-/// rank has many of others at once.
-const OF_ROUND: u64 = 100_000;
-const MOST_ROUNDS: u64 = 8;
-
-/// A node: its name, position (m) and shortest edge (m).
-type Node = (u32, [f64; 3], f64);
+/// The nodes of a rank that are looked at in a round, about, so that no rank has many of others at
+/// once.
+const OF_ROUND: u64 = 1 << 14;
 
 /// Refuses pairs of nodes at one place, unless both are `known`: names of nodes on interfaces
 /// between two groups, rising. Collective.
 ///
 /// # Arguments
-/// * `names` of the new nodes before cutting
+/// * `nodes` with the `shortest` edge (m) at each, of which those from the name `end` on are not
+///   looked at
 /// * `low`: the least coordinates (m)
 ///
 /// # Errors
 /// `Input` on all ranks.
 pub fn check(
     comm: &Comm,
-    work: &Work,
-    names: &[Option<u32>],
+    (nodes, shortest, end): (&Places, &[f32], u64),
     low: [f64; 3],
     known: &[u32],
 ) -> Result<()> {
-    let plain = || work.names.iter().zip(work.points.iter().zip(&work.shortest));
-    let plain = || plain().map(|(name, (point, edge))| (name, *point, *edge));
-    let fresh = || work.fresh.iter().zip(names);
-    let fresh = || fresh().filter_map(|(f, name)| Some(((*name)?, f.point, f.shortest)));
-    let nodes = || plain().chain(fresh()).filter(|node: &Node| node.2.is_finite());
-    let mut longest = [nodes().map(|node| node.2).fold(0.0, f64::max)];
+    let count = nodes.names.partition_point(|name| *name < end);
+    let longest = shortest[..count].iter().copied().fold(0.0, f32::max);
+    let mut longest = [f64::from(longest)];
     comm.max(&mut longest);
     let boxes = Boxes::new(longest[0], low);
-    let rounds = (comm.sum_u64(nodes().count() as u64) / OF_ROUND).clamp(1, MOST_ROUNDS);
+    let rounds = comm.max_u64(count as u64).div_ceil(OF_ROUND);
+    let (start, of_rounds) = by_round(&nodes.points[..count], &boxes, rounds);
     for round in 0..rounds {
         let ranks = comm.size() as u64;
         let mut keys = vec![Vec::new(); ranks as usize];
         let mut places = vec![Vec::new(); ranks as usize];
-        for (name, point, edge) in nodes() {
-            boxes.of(point, |hash| {
-                // The low bits of the hash are those that are mixed least.
-                let mixed = hash >> 20;
-                if mixed % rounds == round {
-                    let rank = (mixed / rounds % ranks) as usize;
-                    keys[rank].extend([hash, u64::from(name)]);
-                    places[rank].extend([point[0], point[1], point[2], edge]);
-                }
-            });
+        let range = start[round as usize] as usize..start[round as usize + 1] as usize;
+        for (hash, node) in &of_rounds[range] {
+            let rank = (mixed(*hash) / rounds % ranks) as usize;
+            let ([x, y, z], edge) = (nodes.points[*node as usize], shortest[*node as usize]);
+            keys[rank].extend([*hash, nodes.names[*node as usize]]);
+            places[rank].extend([x, y, z, f64::from(edge)]);
         }
         let keys = comm.exchange(&keys).concat();
         let places = comm.exchange(&places).concat();
@@ -75,4 +65,29 @@ pub fn check(
         comm.agree(if is_wrong { Err(wrong()) } else { Ok(()) })?;
     }
     Ok(())
+}
+
+/// The first entry of each round, and the end; the entries: hashes of boxes with the nodes in them.
+fn by_round(points: &[[f64; 3]], boxes: &Boxes, rounds: u64) -> (Vec<u32>, Vec<(u64, u32)>) {
+    let round_of = |hash: u64| (mixed(hash) % rounds) as usize;
+    let mut start = vec![0_u32; rounds as usize + 1];
+    for point in points {
+        boxes.of(*point, |hash| start[round_of(hash) + 1] += 1);
+    }
+    (0..rounds as usize).for_each(|round| start[round + 1] += start[round]);
+    let mut next = start.clone();
+    let mut entries = vec![(0, 0); start[rounds as usize] as usize];
+    for (node, point) in (0..).zip(points) {
+        boxes.of(*point, |hash| {
+            let place = &mut next[round_of(hash)];
+            entries[*place as usize] = (hash, node);
+            *place += 1;
+        });
+    }
+    (start, entries)
+}
+
+/// The low bits of a hash are those that are mixed least.
+fn mixed(hash: u64) -> u64 {
+    hash >> 20
 }

@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::mesh::import::Block;
 use crate::mesh::slabs::Head;
 use crate::mesh::whole::{Request, build, dual_graph};
-use crate::partition::journey::{joined, pack, unpack};
+use crate::partition::journey::{on_root, pack, unpack};
 use crate::partition::metis;
 
 /// A cell on its way: name, set of groups, names of nodes.
@@ -30,14 +30,14 @@ pub fn ranks(
 ) -> Result<Vec<u32>> {
     let own: Vec<Sent> =
         cells.iter().map(|cell| (cell.name, cell.set, cell.nodes.to_vec())).collect();
-    let mut all = joined(comm, &own)?;
-    let names = 0..homes.total() as u32;
+    let all = on_root(comm, &own)?;
+    drop(own);
+    let names = 0..if comm.is_root() { homes.total() as u32 } else { 0 };
     let points = homes.fetch(comm, names, |place| points[place]);
-    let cut = || -> Result<Vec<i32>> {
+    let cut = |mut all: Vec<Sent>| -> Result<Vec<i32>> {
         all.sort_unstable_by_key(|cell| cell.0);
         let mut file =
             head.file(points, &|name| Some(name as usize).filter(|_| name != NONE), &|_| true);
-
         let mut rest = &all[..];
         for range in &head.kinds {
             let (of_kind, more) = rest.split_at(range.count as usize);
@@ -57,7 +57,7 @@ pub fn ranks(
         let ranks = comm.size() as usize;
         metis::cut(&graph.start, &graph.neighbours, &graph.weights, &graph.work, ranks)
     };
-    let cut = if comm.is_root() { cut() } else { Ok(Vec::new()) };
+    let cut = all.map_or_else(|| Ok(Vec::new()), cut);
     let bytes = comm.broadcast_bytes(comm.agree(cut.and_then(|cut| pack(&cut)))?);
     let ranks: Vec<i32> = comm.agree(unpack(&bytes))?;
     Ok(ranks.into_iter().map(|rank| rank as u32).collect())

@@ -2,12 +2,14 @@
 
 use super::File;
 use super::bodies::bodies_before;
+use super::cells::{Cell, Cells};
 use super::curve::Curve;
 use super::doubled;
 use super::homes::Homes;
 use super::naming::Naming;
 use super::part::Finish;
 use super::pieces::Work;
+use super::placed::Placed;
 use super::share::share;
 use super::shared::Read;
 use super::spread::{Held, spread};
@@ -38,15 +40,16 @@ pub fn family(
     let mut said = file.remarks(orphans[0], &head.groups, &head.counts);
     said.extend(orphans_of_cells(orphans[1] as usize));
     give_back_memory();
+    let skeleton = skeleton(comm, &head, request, &homes, (&cells, &points))?;
     let curve = Curve::new(comm, &homes, &cells, &points, ends);
-    let shared = share(comm, &head, &homes, &cells, (curve, &points), (request, method))?;
+    let asked = (request, method, &skeleton.facing(request)[..]);
+    let shared = share(comm, &head, &homes, &cells, (curve, &points), asked)?;
     give_back_memory();
     let mut held = spread(comm, &homes, &head, cells, shared);
     give_back_memory();
     let all = held.nodes.iter().chain(&held.far.2).copied();
     let names = Numbers::of(0, homes.total(), all);
     let of_names = homes.fetch(comm, names.iter(), |place| points[place]);
-    let skeleton = skeleton(comm, &head, request, &held, &homes, &points)?;
     drop(points);
     give_back_memory();
     comm.agree(held.choose_materials(&head, request))?;
@@ -54,9 +57,7 @@ pub fn family(
     let bodies = bodies_before(comm, &homes, &held, &work)?;
     let is_raised = request.raise_order == Some(2);
     let shapes = head.shapes(is_raised)?;
-    let is_longer =
-        head.kinds.iter().zip(&shapes).any(|(range, s)| range.kind.nodes() != s.nodes());
-    let raised_start = is_longer.then(|| starts(&head, &held, &shapes));
+    let raised_start = starts(&head, &held, &shapes);
     let start = raised_start.as_deref().unwrap_or(&held.start);
     give_back_memory();
     comm.agree(work.make(&head, &held, start, is_raised, &skeleton.cuts()))?;
@@ -64,21 +65,24 @@ pub fn family(
     let naming = Naming::new(comm, &homes, &head, &head.centres(is_raised)?, &mut work)?;
     said.extend(remarks(&head, &shapes, is_raised));
     said.extend(skeleton.remarks.iter().cloned());
-    let names: Vec<u32> = work.fresh.iter().map(|fresh| naming.name(&head, fresh.key)).collect();
-    let finish = Finish { comm, head: &head, shapes: &shapes, naming: &naming, names: &names };
-    let between = skeleton.between();
-    let cut = finish.cut(&held, &work, &skeleton.names, start)?;
+    let (between, bodies_before) = (skeleton.between(), bodies.1);
+    let placed = Placed::new((&head, &naming), held, work, raised_start, bodies.0);
+    give_back_memory();
+    let finish = Finish { comm, head: &head, shapes: &shapes, naming: &naming };
+    let cut = finish.cut(&placed, &skeleton.names)?;
     let mut star = comm.agree(skeleton.finish(request, &cut))?;
     comm.agree(star.add_connected(case))?;
     said.append(&mut star.mesh.remarks);
-    doubled::check(comm, &work, &finish.before_cutting(&work), ends[0], &star.between(&cut))?;
-    if bodies.1 > 1 {
-        finish.touching(&held, &work, start, (&bodies.0, &between), is_raised)?;
+    let nodes = (&placed.nodes, &placed.shortest[..], naming.uncut());
+    doubled::check(comm, nodes, ends[0], &star.between(&cut))?;
+    if bodies_before > 1 {
+        finish.touching(&placed, &between, is_raised)?;
     }
     drop(cut);
-    let (part, body_count) = finish.part(held, work, raised_start, bodies)?;
+    let (part, body_count) = placed.part(comm, (&head, &naming), &shapes, bodies_before)?;
     give_back_memory();
     let facts = finish.facts(case, &part, &mut star, body_count)?;
+    give_back_memory();
     let mesh = LocalMesh::of_part(part, facts, &star);
     Ok(MeshFamily::in_slabs(mesh, comm.is_root().then_some(star.mesh), said))
 }
@@ -88,41 +92,54 @@ fn skeleton(
     comm: &Comm,
     head: &Head,
     request: &Request,
-    held: &Held,
     homes: &Homes,
-    points: &[[f64; 3]],
+    (cells, points): (&Cells, &[[f64; 3]]),
 ) -> Result<Skeleton> {
     let behind = Behind::new(head, request);
     let plain = head.shapes(false)?;
     let mut own = Vec::new();
-    for place in 0..held.cells.len() {
-        let (name, nodes) = held.cell(place);
-        if behind.has(plain[head.kind_place(name)], nodes) {
-            own.push((name, held.sets[place], nodes.to_vec()));
-        }
+    for chunk in &cells.chunks {
+        let is_behind = |cell: &Cell<'_>| behind.has(plain[chunk.place], cell.nodes);
+        let found = chunk.iter().filter(is_behind);
+        found.for_each(|cell| {
+            own.extend([cell.name, cell.set]);
+            own.extend_from_slice(cell.nodes);
+        });
     }
-    let mut all: Vec<(u32, u32, Vec<u32>)> = joined(comm, &own)?;
+    let words = joined(comm, &own)?;
     drop(own);
+    let mut all = Vec::new();
+    let mut rest = &words[..];
+    while let [name, set, more @ ..] = rest {
+        let (nodes, more) = more.split_at(head.kind(*name).nodes());
+        all.push((*name, *set, nodes));
+        rest = more;
+    }
     all.sort_unstable_by_key(|cell| cell.0);
     let names = all.iter().map(|cell| cell.0).collect();
     let sets = all.iter().map(|cell| cell.1).collect();
-    let nodes: Vec<u32> = all.iter().flat_map(|cell| &cell.2).copied().collect();
+    let nodes: Vec<u32> = all.iter().flat_map(|cell| cell.2).copied().collect();
     drop(all);
+    drop(words);
     let needed = nodes_of(head, request, &nodes);
     let places = homes.fetch(comm, needed.iter().copied(), |place| points[place]);
     comm.agree(Skeleton::new(head, request, [names, sets, nodes], (needed, places)))
 }
 
-/// The first node of each own cell after raising, and the end.
-fn starts(head: &Head, held: &Held, shapes: &[Shape]) -> Vec<u32> {
+/// The first node of each own cell after raising, and the end; none where no kind is raised.
+fn starts(head: &Head, held: &Held, shapes: &[Shape]) -> Option<Vec<u32>> {
+    let mut kinds = head.kinds.iter().zip(shapes);
+    if kinds.all(|(range, shape)| range.kind.nodes() == shape.nodes()) {
+        return None;
+    }
     let mut start = Vec::with_capacity(held.cells.len() + 1);
     let mut end = 0;
     start.push(0);
     for cell in &held.cells {
-        end += shapes[head.kind_place(*cell as u32)].nodes() as u32;
+        end += shapes[head.kind_place(*cell)].nodes() as u32;
         start.push(end);
     }
-    start
+    Some(start)
 }
 
 /// What is to be said of all cells together.

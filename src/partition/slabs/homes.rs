@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::partition::journey::everywhere;
 
 /// Names that are told or asked for at once, so that little memory is taken.
-const STEP: usize = 1 << 15;
+const STEP: usize = 1 << 13;
 
 /// Ranges of names, one for each rank.
 #[derive(Debug, Clone)]

@@ -1,9 +1,12 @@
 //! Labels of cells, and which of them meet at each node.
 
+use std::collections::BTreeMap;
+
 use super::cells::Cells;
 use super::homes::Homes;
 use crate::comm::Comm;
 use crate::error::Result;
+use crate::mesh::whole::FACING;
 use crate::partition::metis;
 
 /// The labels of the cells at the nodes that this rank keeps.
@@ -15,42 +18,41 @@ pub struct AtNodes {
 impl AtNodes {
     /// Of cells with these labels. Collective.
     pub fn new(comm: &Comm, homes: &Homes, cells: &Cells, labels: &[u32]) -> Self {
-        let mut pairs: Vec<u64> = Vec::new();
-        let (mut sorted, mut labels) = (0, labels.iter());
-        for chunk in &cells.chunks {
-            for (cell, label) in chunk.iter().zip(&mut labels) {
-                let place = |node: &u32| cells.names.place(*node).unwrap_or_default() as u64;
-                pairs.extend(cell.nodes.iter().map(|node| place(node) << 32 | u64::from(*label)));
+        let own = homes.firsts[comm.rank() as usize..][..2].to_vec();
+        let (mut told, mut sorted): (Vec<u64>, usize) = (Vec::new(), 0);
+        let (mut chunks, mut labels) = (cells.chunks.iter(), labels.iter());
+        for _ in 0..comm.max_u64(cells.chunks.len() as u64) {
+            let mut pairs: Vec<u64> = Vec::new();
+            for (cell, label) in
+                chunks.next().iter().flat_map(|chunk| chunk.iter()).zip(&mut labels)
+            {
+                let pair = |node: &u32| u64::from(*node) << 32 | u64::from(*label);
+                pairs.extend(cell.nodes.iter().map(pair));
             }
-            if pairs.len() > 2 * sorted {
-                pairs.sort_unstable();
-                pairs.dedup();
-                sorted = pairs.len();
+            pairs.sort_unstable();
+            pairs.dedup();
+            let rows = pairs.iter().map(|pair| ((pair >> 32) as u32, *pair as u32));
+            let more = homes.send(comm, rows);
+            told.extend(
+                more.iter().map(|(node, label)| u64::from(*node) << 32 | u64::from(*label)),
+            );
+            if told.len() > 2 * sorted {
+                told.sort_unstable();
+                told.dedup();
+                sorted = told.len();
             }
         }
-        pairs.sort_unstable();
-        pairs.dedup();
-        let mut names = cells.names.iter().zip(0_u64..).peekable();
-        let rows = pairs.iter().map(|pair| {
-            while names.next_if(|(_, place)| *place < pair >> 32).is_some() {}
-            (names.peek().map_or(0, |(name, _)| *name), *pair as u32)
-        });
-        let told = homes.send(comm, rows);
-        drop(pairs);
-        let own = homes.firsts[comm.rank() as usize..][..2].to_vec();
+        told.sort_unstable();
+        told.dedup();
         Self::of((own[1] - own[0]) as usize, &told)
     }
 
-    fn of(nodes: usize, told: &[(u32, u32)]) -> Self {
+    /// Of pairs of a node and a label, rising.
+    fn of(nodes: usize, told: &[u64]) -> Self {
         let mut start = vec![0_u32; nodes + 1];
-        told.iter().for_each(|(node, _)| start[*node as usize + 1] += 1);
+        told.iter().for_each(|pair| start[(pair >> 32) as usize + 1] += 1);
         (0..nodes).for_each(|node| start[node + 1] += start[node]);
-        let (mut next, mut labels) = (start.clone(), vec![0; start[nodes] as usize]);
-        for (node, label) in told.iter() {
-            labels[next[*node as usize] as usize] = *label;
-            next[*node as usize] += 1;
-        }
-        Self { start, labels }.tidied()
+        Self { start, labels: told.iter().map(|pair| *pair as u32).collect() }
     }
 
     /// Each label once, rising.
@@ -86,25 +88,27 @@ impl AtNodes {
     }
 
     /// The rank of each label: by METIS, on the graph of labels that meet in nodes; the more nodes,
-    /// the closer. Collective.
+    /// the closer, and closest where cells face each other across an interface. Collective.
+    ///
+    /// # Arguments
+    /// * `facing`: the labels of cells that face each other, on the root
     ///
     /// # Errors
     /// `System` when METIS fails.
-    pub fn ranks(&self, comm: &Comm, work: &[f64]) -> Result<Vec<u32>> {
-        let mut pairs = Vec::new();
+    pub fn ranks(&self, comm: &Comm, work: &[f64], facing: &[[u32; 2]]) -> Result<Vec<u32>> {
+        let mut counts: BTreeMap<u64, u64> = BTreeMap::new();
         for node in 0..self.start.len() - 1 {
             let labels = self.at(node);
             for one in labels {
-                let others = labels.iter().filter(|other| *other != one);
-                pairs.extend(others.map(|other| u64::from(*one) << 32 | u64::from(*other)));
+                for other in labels.iter().filter(|other| *other != one) {
+                    *counts.entry(u64::from(*one) << 32 | u64::from(*other)).or_default() += 1;
+                }
             }
         }
-        pairs.sort_unstable();
-        let edges: Vec<u64> =
-            pairs.chunk_by(|a, b| a == b).flat_map(|same| [same[0], same.len() as u64]).collect();
+        let edges: Vec<u64> = counts.iter().flat_map(|(edge, count)| [*edge, *count]).collect();
         let gathered = comm.gather(&edges);
         let cut = match gathered {
-            Some(edges) => cut(&edges.concat(), work, comm.size() as usize),
+            Some(edges) => cut(&edges.concat(), facing, work, comm.size() as usize),
             None => Ok(Vec::new()),
         };
         let bytes = cut.map(|ranks| ranks.iter().flat_map(|rank| rank.to_le_bytes()).collect());
@@ -115,11 +119,16 @@ impl AtNodes {
 }
 
 /// The part of each label.
-fn cut(edges: &[u64], work: &[f64], parts: usize) -> Result<Vec<i32>> {
+fn cut(edges: &[u64], facing: &[[u32; 2]], work: &[f64], parts: usize) -> Result<Vec<i32>> {
     if parts == 1 {
         return Ok(vec![0; work.len()]);
     }
     let mut edges: Vec<(u64, u64)> = edges.chunks_exact(2).map(|edge| (edge[0], edge[1])).collect();
+    for [one, other] in facing.iter().filter(|[one, other]| one != other) {
+        let both = [[one, other], [other, one]];
+        let edge = |[a, b]: [&u32; 2]| (u64::from(*a) << 32 | u64::from(*b), FACING as u64);
+        edges.extend(both.map(edge));
+    }
     edges.sort_unstable();
     let (mut neighbours, mut weights, mut start) = (Vec::new(), Vec::new(), vec![0]);
     let mut runs = edges.chunk_by(|a, b| a.0 == b.0).peekable();
@@ -134,4 +143,24 @@ fn cut(edges: &[u64], work: &[f64], parts: usize) -> Result<Vec<i32>> {
     let unit = (work.iter().sum::<f64>() / 1e9).max(1.0);
     let work: Vec<i32> = work.iter().map(|work| (work / unit).max(1.0) as i32).collect();
     metis::cut(&start, &neighbours, &weights, &work, parts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two rows of four labels each, which share no nodes: without the pairs that face each other
+    /// either row is a part, with them the halves of both.
+    #[test]
+    fn what_faces_each_other_stays_together() {
+        let edge = |one: u64, other: u64| [one << 32 | other, 2, other << 32 | one, 2];
+        let edges: Vec<u64> = [0, 1, 2, 4, 5, 6].iter().flat_map(|i| edge(*i, i + 1)).collect();
+        let part = |facing: &[[u32; 2]]| cut(&edges, facing, &[1.0; 8], 2).expect("a graph");
+        let apart = part(&[]);
+        assert!(apart[..4].iter().all(|part| *part == apart[0]), "{apart:?}");
+        let facing: Vec<[u32; 2]> = (0..4).flat_map(|i| [[i, i + 4]; 3]).collect();
+        let together = part(&facing);
+        assert_eq!(together[..4], together[4..], "{together:?}");
+        assert_ne!(together[0], together[3]);
+    }
 }

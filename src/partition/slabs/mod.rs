@@ -19,6 +19,7 @@ mod labels;
 mod names;
 mod naming;
 mod pieces;
+mod placed;
 mod part;
 mod read;
 mod share;
@@ -34,6 +35,7 @@ use crate::mesh::import::med;
 use crate::mesh::{MeshFamily, is_med, request};
 use crate::partition::journey::{pack, unpack};
 use crate::partition::method::{Import, Method};
+use crate::runtime::OwnPages;
 
 /// Files with more cells are read in slabs.
 const MANY: u64 = 2_000_000;
@@ -63,6 +65,7 @@ pub fn family(
         return Err(Error::Input("multigrid is asked for".into()));
     }
     let request = comm.agree(request(case, file))?;
+    let _pages = OwnPages::start();
     let read = shared::read(comm, &*pieces, &request)?;
     finish::family(comm, case, &request, method, read, &*pieces).map(Some)
 }

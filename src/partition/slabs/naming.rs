@@ -60,7 +60,7 @@ impl Naming {
         let edges = homes.total();
         let firsts = [edges, edges + all[0], edges + all[0] + all[1]];
         let firsts = [firsts[0], firsts[1], firsts[2], firsts[2] + middles];
-        let keys = work.fresh.iter().map(|fresh| fresh.key);
+        let keys = work.fresh.keys.iter().copied();
         let keys = keys.chain(work.splits.iter().map(|(key, _)| *key));
         let corners = keys.filter(|key| [EDGE, FACE].contains(&key.kind())).map(Key::base);
         let bases = Numbers::of(0, homes.total(), corners);

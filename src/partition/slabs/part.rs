@@ -1,18 +1,16 @@
-//! The part of a rank, and what all know of the mesh.
+//! What all know of the mesh, found from the parts of all ranks.
 
-use super::bodies::{all_bodies, count, even_homes};
+use super::bodies::{count, even_homes};
 use super::digest::digest;
 use super::naming::Naming;
-use super::pieces::{Work, fresh_place};
-use super::spread::Held;
+use super::placed::Placed;
 use crate::case::Case;
 use crate::comm::Comm;
 use crate::element::Shape;
 use crate::error::Result;
-use crate::mesh::slabs::{Cut, Head, Numbers, Part, Skin, Star};
-use crate::mesh::whole::bodies;
-use crate::mesh::{MeshFacts, Places};
-use crate::partition::journey::joined;
+use crate::mesh::MeshFacts;
+use crate::mesh::slabs::{Cut, Head, Part, Skin, Star};
+use crate::partition::journey::{joined, on_root};
 
 /// A cell on its way: its name, its material or body, and names and positions (m) of its nodes.
 type Sent = (u32, u32, Vec<(u32, [f64; 3])>);
@@ -27,45 +25,23 @@ pub struct Finish<'f> {
     pub shapes: &'f [Shape],
     /// How new nodes are named.
     pub naming: &'f Naming,
-    /// Names of the new nodes.
-    pub names: &'f [u32],
 }
 
 impl Finish<'_> {
-    /// The name and the position (m) of a node of an own cell by what stands for it.
-    fn node(&self, work: &Work, word: u32) -> (u32, [f64; 3]) {
-        match fresh_place(word) {
-            Some(place) => (self.names[place], work.fresh[place].point),
-            None => (word, work.points[work.names.place(word).unwrap_or_default()]),
-        }
-    }
-
-    /// What stands for the nodes of an own cell.
-    fn words<'w>(&self, held: &'w Held, work: &'w Work, start: &[u32], cell: usize) -> &'w [u32] {
-        let range = start[cell] as usize..start[cell + 1] as usize;
-        &work.nodes.as_ref().unwrap_or(&held.nodes)[range]
-    }
-
-    /// The names of new nodes that were there before cutting.
-    pub fn before_cutting(&self, work: &Work) -> Vec<Option<u32>> {
-        let fresh = work.fresh.iter().zip(self.names);
-        fresh.map(|(fresh, name)| (fresh.key.sector() == 0).then_some(*name)).collect()
-    }
-
     /// The cells of a skeleton after cutting. Collective.
     ///
     /// # Errors
     /// `Bug` only.
-    pub fn cut(&self, held: &Held, work: &Work, names: &[u32], start: &[u32]) -> Result<Cut> {
+    pub fn cut(&self, placed: &Placed, names: &[u32]) -> Result<Cut> {
         let (mut own, mut fresh) = (Vec::new(), Vec::new());
         for name in names {
-            let Ok(cell) = held.cells.binary_search(&u64::from(*name)) else { continue };
-            own.extend([*name, held.sets[cell]]);
-            for word in self.words(held, work, start, cell) {
-                let (name, point) = self.node(work, *word);
+            let Ok(cell) = placed.cells.binary_search(name) else { continue };
+            own.extend([*name, placed.materials[cell]]);
+            for node in placed.cell(cell) {
+                let name = placed.nodes.names[*node as usize] as u32;
                 own.push(name);
-                if fresh_place(*word).is_some() {
-                    fresh.push((name, point));
+                if name >= self.head.nodes {
+                    fresh.push((name, placed.nodes.points[*node as usize]));
                 }
             }
         }
@@ -88,37 +64,29 @@ impl Finish<'_> {
         })
     }
 
-    /// Refuses bodies that touch where their meshes do not match. Collective.
+    /// Refuses bodies that touch where their meshes do not match; `between` are facets of
+    /// interfaces between two groups. Collective.
     ///
     /// # Errors
     /// `Input` on all ranks.
-    pub fn touching(
-        &self,
-        held: &Held,
-        work: &Work,
-        start: &[u32],
-        (bodies, between): (&[u32], &[(u32, u8)]),
-        is_raised: bool,
-    ) -> Result<()> {
-        let mut cells: Vec<u32> = work.boundary.iter().map(|facet| facet.0).collect();
+    pub fn touching(&self, placed: &Placed, between: &[(u32, u8)], is_raised: bool) -> Result<()> {
+        let mut cells: Vec<u32> = placed.boundary.iter().map(|facet| facet.0).collect();
         cells.sort_unstable();
         cells.dedup();
         let mut own = Vec::new();
         for name in cells {
-            let Ok(cell) = held.cells.binary_search(&u64::from(name)) else { continue };
-            let nodes = self.words(held, work, start, cell).iter();
-            let nodes = nodes.map(|word| {
-                let (name, point) = self.node(work, *word);
-                (self.naming.before(name), point)
+            let Ok(cell) = placed.cells.binary_search(&name) else { continue };
+            let nodes = placed.cell(cell).iter().map(|node| {
+                let name = placed.nodes.names[*node as usize] as u32;
+                (self.naming.before(name), placed.nodes.points[*node as usize])
             });
-            let first = held.cell(cell).1[0];
-            let body = bodies[work.names.place(first).unwrap_or_default()];
+            let body = placed.body_before(self.naming, cell);
             own.push((name, body, nodes.collect::<Vec<(u32, [f64; 3])>>()));
         }
-        let mut all = joined(self.comm, &own)?;
-        let facets = joined(self.comm, &work.boundary)?;
-        all.sort_unstable_by_key(|cell: &Sent| cell.0);
-        let local = if self.comm.is_root() {
+        let all = on_root(self.comm, &own)?;
+        let facets = on_root(self.comm, &placed.boundary)?;
+        let check = |mut all: Vec<Sent>, facets| {
+            all.sort_unstable_by_key(|cell: &Sent| cell.0);
             let skin = Skin {
                 cells: all.iter().map(|cell| (cell.0, cell.1)).collect(),
                 nodes: all.iter().flat_map(|cell| &cell.2).map(|node| node.0).collect(),
@@ -126,90 +94,9 @@ impl Finish<'_> {
                 facets,
             };
             skin.check(self.head, is_raised, between)
-        } else {
-            Ok(())
         };
+        let local = all.zip(facets).map_or(Ok(()), |(all, facets)| check(all, facets));
         self.comm.agree(local)
-    }
-
-    /// The cells of this rank with their nodes by place, and how many bodies there are.
-    /// Collective.
-    ///
-    /// # Arguments
-    /// * `bodies` before cutting, by the places of the files' names
-    ///
-    /// # Errors
-    /// `Bug` only.
-    pub fn part(
-        &self,
-        held: Held,
-        work: Work,
-        raised_start: Option<Vec<u32>>,
-        bodies: (Vec<u32>, usize),
-    ) -> Result<(Part, usize)> {
-        let Held { cells, sets: materials, start: of_file, nodes, pieces, far, beside } = held;
-        drop((pieces, far, beside));
-        let start = raised_start.unwrap_or(of_file);
-        let (nodes, work) = work.without_nodes(nodes);
-        let (connectivity, nodes, of_file) = self.placed(nodes, work, bodies.0);
-        let (bodies, count) = match of_file {
-            Some(of_file) => (of_corners(of_file, &start, &connectivity), bodies.1),
-            None => self.bodies_after(&start, &connectivity, &nodes, &cells)?,
-        };
-        let shape = |cell: &u64| self.shapes[self.head.kind_place(*cell as u32)];
-        let shapes = cells.iter().map(shape).collect();
-        Ok((Part { cells, shapes, materials, nodes, start, connectivity, bodies }, count))
-    }
-
-    /// Nodes of cells by place, the nodes, and where nothing was cut the bodies of those of the
-    /// file.
-    fn placed(
-        &self,
-        mut connectivity: Vec<u32>,
-        work: Work,
-        of_file: Vec<u32>,
-    ) -> (Vec<u32>, Places, Option<Vec<u32>>) {
-        let name = |word: u32| fresh_place(word).map_or(word, |place| self.names[place]);
-        let all = connectivity.iter().map(|word| name(*word));
-        let used = Numbers::of(0, self.naming.total(), all);
-        let mut nodes = Places {
-            names: used.iter().map(u64::from).collect(),
-            points: vec![[0.0; 3]; used.len()],
-            marks: Vec::new(),
-        };
-        let mut bodies = vec![u32::MAX; used.len()];
-        for (name, (point, body)) in work.names.iter().zip(work.points.iter().zip(of_file)) {
-            if let Some(place) = used.place(name) {
-                (nodes.points[place], bodies[place]) = (*point, body);
-            }
-        }
-        for (name, fresh) in self.names.iter().zip(&work.fresh) {
-            if let Some(place) = used.place(*name) {
-                nodes.points[place] = fresh.point;
-            }
-        }
-        for word in &mut connectivity {
-            *word = used.place(name(*word)).unwrap_or_default() as u32;
-        }
-        let is_cut = !self.naming.origins.is_empty();
-        (connectivity, nodes, (!is_cut).then_some(bodies))
-    }
-
-    /// The bodies of nodes after cutting, and how many there are. Collective.
-    fn bodies_after(
-        &self,
-        start: &[u32],
-        connectivity: &[u32],
-        nodes: &Places,
-        cells: &[u64],
-    ) -> Result<(Vec<u32>, usize)> {
-        let add = |cell: usize, nodes: &mut Vec<u32>| {
-            nodes.extend_from_slice(&connectivity[start[cell] as usize..start[cell + 1] as usize]);
-        };
-        let of_nodes = bodies(nodes.names.len(), cells.len(), add);
-        let homes = even_homes(self.comm, self.naming.total());
-        let names = nodes.names.iter().map(|name| *name as u32);
-        all_bodies(self.comm, &homes, names, of_nodes, cells)
     }
 
     /// What is known of the mesh; tells the bodies of the cells behind surfaces. Collective.
@@ -227,7 +114,7 @@ impl Finish<'_> {
         star.mesh.body_count = body_count;
         let total = self.naming.total();
         let mut is_corner = vec![false; part.nodes.names.len()];
-        for (cell, shape) in part.shapes.iter().enumerate() {
+        for (cell, shape) in part.shapes().enumerate() {
             let corners =
                 &part.connectivity[part.start[cell] as usize..][..shape.corners().nodes()];
             corners.iter().for_each(|node| is_corner[*node as usize] = true);
@@ -279,14 +166,4 @@ impl Finish<'_> {
         star.mesh.bodies = all.into_iter().map(|(_, body)| body).collect();
         Ok(())
     }
-}
-
-/// The bodies of all nodes, from those of the first corners of cells.
-fn of_corners(mut of_nodes: Vec<u32>, start: &[u32], connectivity: &[u32]) -> Vec<u32> {
-    for ends in start.windows(2) {
-        let nodes = &connectivity[ends[0] as usize..ends[1] as usize];
-        let body = of_nodes[nodes[0] as usize];
-        nodes.iter().for_each(|node| of_nodes[*node as usize] = body);
-    }
-    of_nodes
 }

@@ -13,13 +13,13 @@ pub struct Work {
     pub names: Numbers,
     /// Their positions (m).
     pub points: Vec<[f64; 3]>,
-    /// The shortest edge (m) at each that own cells have.
-    pub shortest: Vec<f64>,
+    /// The shortest edge (m) at each that own cells have, or a little more.
+    pub shortest: Vec<f32>,
     /// The nodes of own cells: names, or places among the new nodes with a bit set; none where they
     /// are those of the file.
     pub nodes: Option<Vec<u32>>,
     /// New nodes, perhaps several times.
-    pub fresh: Vec<Fresh>,
+    pub fresh: Fresh,
     /// Facets on the boundary before cutting, by names of own cells.
     pub boundary: Vec<(u32, u8)>,
     /// How many new nodes each node of own cells has in edges and faces.
@@ -28,15 +28,15 @@ pub struct Work {
     pub splits: Vec<(Key, u32)>,
 }
 
-/// A new node.
-#[derive(Debug, Clone, Copy)]
+/// New nodes.
+#[derive(Default)]
 pub struct Fresh {
-    /// What it is.
-    pub key: Key,
-    /// Its position (m).
-    pub point: [f64; 3],
-    /// The shortest edge (m) there.
-    pub shortest: f64,
+    /// What each is.
+    pub keys: Vec<Key>,
+    /// Their positions (m).
+    pub points: Vec<[f64; 3]>,
+    /// The shortest edge (m) at each, or a little more.
+    pub shortest: Vec<f32>,
 }
 
 /// The place of a new node in what stands for it.
@@ -47,7 +47,7 @@ pub fn fresh_place(node: u32) -> Option<usize> {
 impl Work {
     /// Before any piece is made.
     pub fn new(names: Numbers, points: Vec<[f64; 3]>) -> Self {
-        let shortest = vec![f64::INFINITY; points.len()];
+        let shortest = vec![f32::INFINITY; points.len()];
         let (fresh, boundary, counts, splits) = Default::default();
         Self { names, points, shortest, nodes: None, fresh, boundary, counts, splits }
     }
@@ -74,7 +74,7 @@ impl Work {
         for (number, beside) in (0_u16..).zip(&held.beside) {
             let own = (0..held.cells.len()).filter(|cell| held.pieces[*cell] == number);
             let mut places: Vec<(u32, u32)> =
-                own.map(|place| (held.cells[place] as u32, place as u32)).collect();
+                own.map(|place| (held.cells[place], place as u32)).collect();
             places.extend(beside.iter().map(|place| (held.cell(*place as usize).0, *place)));
             places.sort_unstable();
             let is_own = |place: u32| held.pieces.get(place as usize) == Some(&number);
@@ -113,22 +113,24 @@ impl Work {
         Ok(())
     }
 
-    /// The nodes of own cells, which are those of the file where they have not changed; and the
-    /// rest.
-    pub fn without_nodes(mut self, of_file: Vec<u32>) -> (Vec<u32>, Self) {
-        (self.nodes.take().unwrap_or(of_file), self)
-    }
-
     /// What stands for a node of an own cell.
     fn word(&mut self, key: Key, point: [f64; 3], shortest: Option<f64>) -> u32 {
-        let least = shortest.unwrap_or(f64::INFINITY);
+        let least = shortest.map_or(f32::INFINITY, from_above);
         if let Some(name) = key.name() {
             if let Some(place) = self.names.place(name) {
                 self.shortest[place] = least;
             }
             return name;
         }
-        self.fresh.push(Fresh { key, point, shortest: least });
-        FRESH | (self.fresh.len() - 1) as u32
+        self.fresh.keys.push(key);
+        self.fresh.points.push(point);
+        self.fresh.shortest.push(least);
+        FRESH | (self.fresh.keys.len() - 1) as u32
     }
+}
+
+/// A length in half the memory, not below what it is.
+fn from_above(length: f64) -> f32 {
+    let near = length as f32;
+    if f64::from(near) < length { near.next_up() } else { near }
 }

@@ -9,6 +9,8 @@ use crate::mesh::slabs::{Head, KindRange};
 use crate::mesh::whole::Request;
 use crate::runtime::give_back_memory;
 
+/// Cells that are told at once, so that little memory is taken.
+const BATCH: usize = 4096;
 /// Of no piece.
 const NONE: u32 = u32::MAX;
 
@@ -34,7 +36,7 @@ pub struct Shared {
 #[derive(Default)]
 pub struct Held {
     /// Names of its cells, rising.
-    pub cells: Vec<u64>,
+    pub cells: Vec<u32>,
     /// Sets of groups of its cells, until they are replaced by materials.
     pub sets: Vec<u32>,
     /// The piece of each, counted from the first of this rank.
@@ -117,43 +119,52 @@ pub fn spread(
 ) -> Held {
     let meeting = Meeting::new(comm, homes, &cells, &at_nodes);
     drop(at_nodes);
-    let (labels, list) = (&labels, &list);
-    let mut held = Held::empty(comm, head, &cells, labels, list);
-    let rounds = comm.max_u64(cells.chunks.len() as u64);
+    let list = &list;
+    let mut held = Held::empty(comm, head, &cells, &labels, list);
+    let mut labels = by_chunk(&cells, labels).into_iter();
+    let batches = |chunk: &Chunk| chunk.sets.len().div_ceil(BATCH) as u64;
+    let rounds = comm.max_u64(cells.chunks.iter().map(batches).sum());
     let mut chunks = std::mem::take(&mut cells.chunks).into_iter();
-    let mut at = 0;
+    let mut left: Option<(Chunk, Vec<u32>, usize)> = None;
     for _ in 0..rounds {
         let mut words = vec![Vec::new(); comm.size() as usize];
-        if let Some(chunk) = chunks.next() {
-            let labels = &labels[at..at + chunk.sets.len()];
-            at += chunk.sets.len();
-            tell(
-                &chunk,
-                labels,
-                list,
-                |nodes, own, found| meeting.of(&cells, nodes, own, found),
-                &mut words,
-            );
+        if left.is_none() {
+            left = chunks.next().zip(labels.next()).map(|(chunk, labels)| (chunk, labels, 0));
+        }
+        if let Some((chunk, labels, from)) = left.take() {
+            let to = chunk.sets.len().min(from + BATCH);
+            let rows = chunk.rows(from..to).zip(&labels[from..to]);
+            let pieces_of =
+                |nodes: &[u32], own: u32, all: &mut Vec<u32>| meeting.of(&cells, nodes, own, all);
+            tell(rows, list, pieces_of, &mut words);
+            left = (to < chunk.sets.len()).then_some((chunk, labels, to));
         }
         for (source, words) in comm.exchange(&words).iter().enumerate() {
             held.held.take(words, head, &mut held.next, source);
         }
-        // What a round has freed lies in many small pieces.
-        give_back_memory();
+        if left.is_none() {
+            // What a chunk has freed lies in many small pieces.
+            give_back_memory();
+        }
     }
     held.held
 }
 
-/// Puts the cells of a chunk into the words for all ranks that need them.
-fn tell(
-    chunk: &Chunk,
-    labels: &[u32],
+/// The labels of each chunk, which go with it.
+fn by_chunk(cells: &Cells, labels: Vec<u32>) -> Vec<Vec<u32>> {
+    let mut rest = labels.into_iter();
+    cells.chunks.iter().map(|chunk| rest.by_ref().take(chunk.sets.len()).collect()).collect()
+}
+
+/// Puts cells into the words for all ranks that need them.
+fn tell<'c>(
+    cells: impl Iterator<Item = (Cell<'c>, &'c u32)>,
     list: &PieceList,
     pieces_of: impl Fn(&[u32], u32, &mut Vec<u32>),
     words: &mut [Vec<u32>],
 ) {
     let mut pieces = Vec::new();
-    for (Cell { name, nodes, set }, label) in chunk.iter().zip(labels) {
+    for (Cell { name, nodes, set }, label) in cells {
         let own = list.of_label[*label as usize];
         pieces_of(nodes, own, &mut pieces);
         let rank_of = |piece: u32| list.firsts.partition_point(|first| *first <= piece) - 1;
@@ -230,7 +241,7 @@ impl Held {
             } else {
                 let place = next[source][of] as usize;
                 next[source][of] += 1;
-                self.cells[place] = u64::from(*name);
+                self.cells[place] = *name;
                 self.sets[place] = *set;
                 self.pieces[place] = *piece as u16;
                 self.nodes[self.start[place] as usize..][..nodes.len()].copy_from_slice(nodes);
@@ -258,7 +269,7 @@ impl Held {
     pub fn cell(&self, place: usize) -> (u32, &[u32]) {
         let Some(far) = place.checked_sub(self.cells.len()) else {
             let range = self.start[place] as usize..self.start[place + 1] as usize;
-            return (self.cells[place] as u32, &self.nodes[range]);
+            return (self.cells[place], &self.nodes[range]);
         };
         let range = self.far.1[far] as usize..self.far.1[far + 1] as usize;
         (self.far.0[far], &self.far.2[range])

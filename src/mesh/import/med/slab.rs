@@ -1,6 +1,7 @@
 //! A file in pieces, each read by itself.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 use std::path::Path;
 
 use super::archive::{Folder, Told, open};
@@ -49,6 +50,7 @@ impl Slabs {
         whole(&nodes)?;
         let points = nodes.rows("COO")?;
         check_length(&nodes, "COO", points.checked_mul(space))?;
+        check_lists(&nodes, points)?;
         let all = step.folder("MAI")?;
         let mut types = Vec::new();
         for name in all.members()? {
@@ -57,6 +59,7 @@ impl Slabs {
             whole(&folder)?;
             let count = folder.rows("NOD")?;
             check_length(&folder, "NOD", count.checked_mul(element.kind.nodes()))?;
+            check_lists(&folder, count)?;
             if count > 0 {
                 types.push(OfType { folder, element, count });
             }
@@ -93,6 +96,13 @@ impl Slabs {
                 point[axis] = x;
             }
         }
+        if self.nodes.has("FAM") {
+            let families = self.nodes.integers_in("FAM", from..from + rows)?;
+            if families.iter().any(|family| *family != 0) {
+                return Err("it has nodes in families".into());
+            }
+        }
+        check_numbers(&self.nodes, from..from + rows)?;
         let numbers = (from..from + rows).map(|node| node as u32 + 1).collect();
         Ok(NodeRows { numbers, points })
     }
@@ -104,6 +114,7 @@ impl Slabs {
     ) -> Told<Elements> {
         let OfType { folder, element, count } = &self.types[place];
         let (kind, width) = (element.kind, element.kind.nodes());
+        check_numbers(folder, from..from + rows)?;
         let mut nodes = vec![0; width * rows];
         for (local, place) in element.order.iter().enumerate() {
             let begin = usize::from(*place) * count + from;
@@ -151,6 +162,18 @@ impl Slabs {
         };
         set.iter().flat_map(names).collect()
     }
+}
+
+/// Refuses numbers and families that are not one for each node or element.
+fn check_lists(folder: &Folder, count: usize) -> Told<()> {
+    let there = ["NUM", "FAM"].into_iter().filter(|name| folder.has(name));
+    there.map(|name| check_length(folder, name, Some(count))).collect()
+}
+
+/// Refuses numbers that are negative.
+fn check_numbers(folder: &Folder, rows: Range<usize>) -> Told<()> {
+    let is_wrong = folder.has("NUM") && folder.integers_in("NUM", rows)?.iter().any(|n| *n < 0);
+    if is_wrong { Err(format!("{}: it is negative", folder.inner("NUM"))) } else { Ok(()) }
 }
 
 /// Refuses lists of another length.
