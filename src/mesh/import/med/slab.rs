@@ -167,7 +167,8 @@ impl Slabs {
 /// Refuses numbers and families that are not one for each node or element.
 fn check_lists(folder: &Folder, count: usize) -> Told<()> {
     let there = ["NUM", "FAM"].into_iter().filter(|name| folder.has(name));
-    there.map(|name| check_length(folder, name, Some(count))).collect()
+    let mut there = there;
+    there.try_for_each(|name| check_length(folder, name, Some(count)))
 }
 
 /// Refuses numbers that are negative.
