@@ -1,4 +1,7 @@
-"""beam_theory.py: prints the exact values of end_notched_flexure.yaml and mixed_mode_bending.yaml, by beam theory.
+"""beam_theory.py [3d]: prints the exact values of end_notched_flexure.yaml and mixed_mode_bending.yaml, by beam theory.
+
+With 3d it prints those of end_notched_flexure_3d.yaml and mixed_mode_bending_3d.yaml: in plane stress, E' = E in the place
+of E/(1 - nu^2), and P in N on a width of 5 mm in the place of N for each metre.
 
 Both bend the beam of notched_beam.py: span 2 L, two arms of height h, EI = E' h^3/12 each, E' = E/(1 - nu^2), that are
 bonded but for a notch of length a from the left. In the middle acts P (1 + c/L) down, at the left end of the upper arm
@@ -24,10 +27,13 @@ v + v' b + 2 K P b^3/(3 EI) + 2 K P b/(5/6 mu h).
 Sources: Timoshenko beams; Williams, Int. J. Fract. 36 (1988), for the forces of each mode.
 """
 import math
+import sys
 
 YOUNG, POISSON, H, SPAN, NOTCH = 1.0e10, 0.3, 2.5e-3, 0.05, 0.03
 STRENGTH, ENERGY, JOINT = 1.0e7, 500.0, 0.035
-PLANE, SHEAR = YOUNG / (1 - POISSON**2), YOUNG / (2 + 2 * POISSON)
+IN_3D = sys.argv[1:] == ["3d"]
+WIDTH = 5.0e-3 if IN_3D else 1.0
+PLANE, SHEAR = YOUNG if IN_3D else YOUNG / (1 - POISSON**2), YOUNG / (2 + 2 * POISSON)
 EI, CRITICAL = PLANE * H**3 / 12, 2 * ENERGY / STRENGTH
 WAVE = math.sqrt(8 * STRENGTH / (PLANE * H * CRITICAL))
 
@@ -139,8 +145,8 @@ if __name__ == "__main__":
     for part in (0.2, 0.3, 0.7, 0.8):
         left = part < 0.5
         p = bisect(lambda p: flexure(p, 1 if left else -1)[3] - part * JOINT, 5e3, 1.4e4)
-        print("end-notched flexure", part, "P", p, "deflection", deflection(p, 1 if left else -1))
+        print("end-notched flexure", part, "P", p * WIDTH, "deflection", deflection(p, 1 if left else -1))
     start = [4700.0, 7e-4, 2.4e3]
     for part in (0.1, 0.2, 0.3, 0.4):
         p, opening, start = mixed(part * JOINT, 0.04, start)
-        print("mixed-mode bending", part, "P", p, "opening", opening)
+        print("mixed-mode bending", part, "P", p * WIDTH, "opening", opening)

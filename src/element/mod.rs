@@ -17,6 +17,7 @@ mod shape_tests;
 
 pub use mapping::{Mapping, map_point, mapping};
 pub use quadrature::{
-    MAX_DEGREE, QuadraturePoint, TrianglePoint, gauss, quadrature, stiffness_rule, triangle,
+    MAX_DEGREE, QuadraturePoint, TrianglePoint, gauss, quadrature, quadrature_on_triangle,
+    stiffness_rule, triangle,
 };
 pub use shape::{Family, MAX_NODES, Shape};

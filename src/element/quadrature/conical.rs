@@ -1,11 +1,24 @@
-//! Rules on tetrahedra and pyramids of any degree: those of the cube drawn together to a point
-//! (an edge, then a point), whose determinant is the weight of Gauss-Jacobi rules.
+//! Rules on triangles, tetrahedra and pyramids of any degree: those of the cube drawn together to a
+//! point (an edge, then a point), whose determinant is the weight of Gauss-Jacobi rules.
 //!
 //! # Source
 //! Stroud (1971), Approximate Calculation of Multiple Integrals, sections 2.3 to 2.5: conical
 //! products.
 
 use super::gauss::{QuadraturePoint, gauss_legendre};
+
+/// The triangle, exact for polynomials of total degree 2n - 1, with n^2 points.
+pub fn triangle(n: usize) -> Vec<QuadraturePoint> {
+    let [of_x, of_y] = [0, 1].map(|power| gauss_jacobi(n, power));
+    let row = |&(y, w_y): &(f64, f64)| {
+        let at = move |&(x, w_x): &(f64, f64)| QuadraturePoint {
+            xi: [x * (1.0 - y), y, 0.0],
+            weight: w_x * w_y,
+        };
+        of_x.iter().map(at).collect::<Vec<_>>()
+    };
+    of_y.iter().flat_map(row).collect()
+}
 
 /// The tetrahedron, exact for polynomials of total degree 2n - 1, with n^3 points.
 pub fn tetrahedron(n: usize) -> Vec<QuadraturePoint> {

@@ -41,6 +41,12 @@ pub fn quadrature(shape: Shape, degree: usize) -> Vec<QuadraturePoint> {
     }
 }
 
+/// A rule on the reference triangle for polynomials of any `degree`: that of [`quadrature`] up to
+/// [`MAX_DEGREE`], conical products beyond.
+pub fn quadrature_on_triangle(degree: usize) -> Vec<QuadraturePoint> {
+    if degree <= MAX_DEGREE { triangle::points(degree) } else { conical::triangle(degree / 2 + 1) }
+}
+
 /// A rule that integrates stiffness and mass of an affine cell of uniform material exactly: of
 /// twice the order of the shape.
 ///

@@ -59,6 +59,19 @@ fn depth(shape: Shape, [x, y, z]: [f64; 3]) -> f64 {
 }
 
 #[test]
+fn rules_on_the_triangle_have_any_degree() {
+    for degree in [0, 5, 8, 9, 16, 31] {
+        let rule = quadrature_on_triangle(degree);
+        assert!(rule.iter().all(|p| p.weight > 0.0 && depth(Shape::Tri3, p.xi) > 0.0));
+        for powers in monomials(Shape::Tri3, degree) {
+            let found = integral(&rule, |xi| monomial(xi, powers));
+            let exact = exact(Shape::Tri3, powers);
+            assert!((found - exact).abs() < 1e-13 * exact, "{powers:?} {found} {exact}");
+        }
+    }
+}
+
+#[test]
 fn rules_integrate_every_monomial_of_their_degree_with_positive_weights_inside() {
     for shape in Shape::ALL {
         for degree in 0..=MAX_DEGREE {

@@ -19,6 +19,10 @@ const MOST: usize = 40;
 /// The part of a correction that may be missing, and the part of what the answer of S lacks.
 const PART: f64 = 1e-10;
 const REDUCTION: f64 = 1e-4;
+/// The part of a correction that may be missing where what is left out is more than the right-hand
+/// side: S and E are soft in different directions there, and what is missing in the stiff ones is
+/// much in the soft one.
+const PART_OF_STIFF: f64 = 1e-13;
 /// What is left out of a linear solve may be this part of its right-hand side: the next corrections
 /// take away the rest.
 const WEAK: f64 = 0.05;
@@ -126,7 +130,11 @@ impl Problem<'_> {
             image.iter_mut().zip(v).for_each(|(image, v)| *image += v);
             Ok(image)
         };
-        match gmres(comm, y, &mut apply) {
+        let is_stiff = left_out > size;
+        let enough = |size: f64, start: f64| {
+            if is_stiff { PART_OF_STIFF * size } else { (PART * size).max(REDUCTION * start) }
+        };
+        match gmres(comm, y, enough, &mut apply) {
             Ok(solves) => {
                 tracing::debug!(target: "newton", "  unsymmetric part in {solves} solves")
             }
@@ -150,18 +158,20 @@ fn product(comm: &Comm, a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Solves A x = b for `x`, which comes in as b and is where it starts: modified Gram and Schmidt,
-/// Givens rotations. How often A was applied. Collective.
+/// Givens rotations. `enough` tells from the norms of b and of the first residual what may be left
+/// of it. How often A was applied. Collective.
 fn gmres(
     comm: &Comm,
     x: &mut [f64],
+    enough: impl Fn(f64, f64) -> f64,
     apply: &mut dyn FnMut(&[f64]) -> Result<Vec<f64>>,
 ) -> Result<usize> {
     let size = norm(comm, x);
     let image = apply(x)?;
     let residual: Vec<f64> = x.iter().zip(&image).map(|(b, image)| b - image).collect();
     let start = norm(comm, &residual);
-    let enough = (PART * size).max(REDUCTION * start);
-    if !start.is_finite() || start <= PART * size {
+    let enough = enough(size, start);
+    if !start.is_finite() || start <= enough {
         return Ok(1);
     }
     let scaled = |v: Vec<f64>, by: f64| v.into_iter().map(|v| v / by).collect::<Vec<f64>>();
@@ -201,13 +211,19 @@ fn gmres(
         }
         basis.push(scaled(next, rest));
     }
-    let mut parts = vec![0.0; columns.len()];
-    for i in (0..columns.len()).rev() {
-        let later: f64 = (i + 1..columns.len()).map(|j| columns[j][i] * parts[j]).sum();
-        parts[i] = (left[i] - later) / columns[i][i];
-    }
+    let parts = back_substitute(&columns, &left);
     for (part, v) in parts.iter().zip(&basis) {
         x.iter_mut().zip(v).for_each(|(x, v)| *x += part * v);
     }
     Ok(1 + columns.len())
+}
+
+/// Solves R p = r for the upper triangle R with these columns.
+fn back_substitute(columns: &[Vec<f64>], right: &[f64]) -> Vec<f64> {
+    let mut parts = vec![0.0; columns.len()];
+    for i in (0..columns.len()).rev() {
+        let later: f64 = (i + 1..columns.len()).map(|j| columns[j][i] * parts[j]).sum();
+        parts[i] = (right[i] - later) / columns[i][i];
+    }
+    parts
 }

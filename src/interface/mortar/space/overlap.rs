@@ -4,7 +4,7 @@ use super::facet::SpaceFacet;
 use super::pieces::Piece;
 use super::plane::{Plane, Shadow};
 use super::vector::{difference, dot, norm};
-use crate::element::{MAX_DEGREE, QuadraturePoint, Shape, gauss, quadrature};
+use crate::element::{QuadraturePoint, Shape, gauss, quadrature_on_triangle};
 use crate::interface::mortar::polygon::{clip, signed_area};
 use crate::interface::mortar::rows::Segment;
 use crate::interface::mortar::segments::SegmentPoint;
@@ -109,7 +109,11 @@ impl View<'_> {
             near: self.plane.shadow(overlap.piece.shape(), overlap.piece.corners()),
             whole: self.plane.shadow_of(overlap.primary),
         };
-        let rule = rule_on(&overlap.polygon, shapes, curved);
+        let degree = match curved {
+            true => ON_CURVED,
+            false => degree_for(shapes) + degree_of_skew([&self.shadow, &far.near]),
+        };
+        let rule = rule_on(&overlap.polygon, degree, curved);
         rule.iter().map(|p| self.point(p, &far)).collect()
     }
 
@@ -226,11 +230,11 @@ struct PlanePoint {
     area: f64,
 }
 
-/// Points of integration on a polygon or an interval, for products of functions of the two shapes.
+/// Points of integration on a polygon, for polynomials of a degree, or on an interval.
 ///
 /// Polygons with more than three corners are cut into triangles about their middle, so that it does
 /// not matter with which corner they begin.
-fn rule_on(polygon: &[[f64; 2]], shapes: [Shape; 2], curved: bool) -> Vec<PlanePoint> {
+fn rule_on(polygon: &[[f64; 2]], degree: usize, curved: bool) -> Vec<PlanePoint> {
     if let [a, b] = polygon {
         let points = gauss(Shape::Line2, if curved { 5 } else { 3 });
         let half = 0.5 * (b[0] - a[0]);
@@ -246,7 +250,7 @@ fn rule_on(polygon: &[[f64; 2]], shapes: [Shape; 2], curved: bool) -> Vec<PlaneP
         [a, b, c] => vec![[*a, *b, *c]],
         _ => polygon.iter().enumerate().map(|(i, x)| [centre, *x, next(i)]).collect(),
     };
-    let rule = quadrature(Shape::Tri3, degree_for(shapes, curved));
+    let rule = quadrature_on_triangle(degree);
     let at = |t: &[[f64; 2]; 3], p: &QuadraturePoint| {
         let [u, v, _] = p.xi;
         let x = [0, 1].map(|d| t[0][d] + u * (t[1][d] - t[0][d]) + v * (t[2][d] - t[0][d]));
@@ -256,15 +260,46 @@ fn rule_on(polygon: &[[f64; 2]], shapes: [Shape; 2], curved: bool) -> Vec<PlaneP
 }
 
 /// The degree of the products of functions of the secondary side with those of either side, in all
-/// coordinates together. Nothing is a polynomial on curved facets, which are cut into small pieces.
-fn degree_for(shapes: [Shape; 2], curved: bool) -> usize {
+/// coordinates together.
+fn degree_for(shapes: [Shape; 2]) -> usize {
     let degree = |shape: Shape| match shape.corners() {
         Shape::Quad4 => 2 * shape.order(),
         _ => shape.order(),
     };
     let [here, there] = shapes.map(degree);
-    if curved { ON_CURVED } else { (here + here.max(there)).min(MAX_DEGREE) }
+    here + here.max(there)
 }
 
-/// The degree on flat pieces of curved facets: seven points.
+/// How much higher the degree has to be for quadrilaterals that are no parallelograms. Their
+/// functions are series in the place, each term of one more degree and as much smaller as the skew
+/// says: all those above rounding are taken, up to a limit.
+fn degree_of_skew(shadows: [&Shadow; 2]) -> usize {
+    let skew = shadows.map(skew).into_iter().fold(0.0, f64::max);
+    if skew <= NO_SKEW {
+        return 0;
+    }
+    let terms = (NO_SKEW.ln() / skew.min(0.5).ln()).ceil();
+    (terms as usize).min(MOST_OF_SKEW)
+}
+
+/// What the two halves of a quadrilateral differ by, relative to their size; 0 of others.
+fn skew(shadow: &Shadow) -> f64 {
+    let [a, b, c, d] = shadow.points() else { return 0.0 };
+    let part = |signs: [f64; 4]| -> [f64; 2] {
+        let sum = |i: usize| signs[0] * a[i] + signs[1] * b[i] + signs[2] * c[i] + signs[3] * d[i];
+        [sum(0), sum(1)]
+    };
+    let (u, v) = (part([-1.0, 1.0, 1.0, -1.0]), part([-1.0, -1.0, 1.0, 1.0]));
+    let uneven = part([1.0, -1.0, 1.0, -1.0]);
+    let across = |x: [f64; 2], y: [f64; 2]| (x[0] * y[1] - x[1] * y[0]).abs();
+    (across(uneven, v) + across(u, uneven)) / across(u, v)
+}
+
+/// Quadrilaterals with less skew are parallelograms.
+const NO_SKEW: f64 = 1e-13;
+
+/// At most so much for the skew: 256 points on a triangle of second order.
+const MOST_OF_SKEW: usize = 23;
+
+/// The degree on flat pieces of curved facets, on which nothing is a polynomial: seven points.
 const ON_CURVED: usize = 5;
