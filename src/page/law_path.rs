@@ -121,8 +121,12 @@ mod tests {
     use super::*;
     use crate::law::LinearSoftening;
 
-    const LAW: LinearSoftening =
-        LinearSoftening { strength: 1.1e6, fracture_energy: 900.0, augmentation: 10.0 };
+    const LAW: LinearSoftening = LinearSoftening {
+        strength: 1.1e6,
+        fracture_energy: 900.0,
+        augmentation: 10.0,
+        friction: 0.0,
+    };
 
     const JOINT: Joint<'_> = Joint { law: &LAW, stiffness: 1e9, dim: 3 };
 

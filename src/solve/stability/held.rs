@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 use crate::assembly::Discretization;
 use crate::case::Case;
 use crate::comm::Comm;
+use crate::law::Branch;
 use crate::mesh::MeshFacts;
 use crate::solve::model::interfaces::{InterfaceState, NodeResponse};
 
@@ -28,7 +29,8 @@ pub fn is_separated(
     response: &NodeResponse,
 ) -> bool {
     let law = interfaces.laws[interface].spec.law();
-    response.branch.is_separated() || law.damage(response.history) >= 1.0 - LEFT
+    response.branch.is_separated()
+        || response.branch != Branch::Held && law.damage(response.history) >= 1.0 - LEFT
 }
 
 /// The displacement of a point in a rigid motion: three translations, then three rotations about
