@@ -81,7 +81,12 @@ fn assert_close(found: f64, exact: f64, scale: f64) {
 
 #[test]
 fn equal_modes_are_linear_softening() {
-    let linear = LinearSoftening { strength: 1.1e6, fracture_energy: 900.0, augmentation: 10.0, friction: 0.0 };
+    let linear = LinearSoftening {
+        strength: 1.1e6,
+        fracture_energy: 900.0,
+        augmentation: 10.0,
+        friction: 0.0,
+    };
     let law = BenzeggaghKenane {
         strength: 1.1e6,
         shear_strength: 1.1e6,

@@ -41,7 +41,13 @@ fn default_augmentation() -> f64 {
 impl Bilinear {
     /// The law with the default augmentation; units as in the fields.
     pub fn new(strength: f64, fracture_energy: f64, stiffness: f64) -> Self {
-        Self { strength, fracture_energy, stiffness, augmentation: default_augmentation(), friction: 0.0 }
+        Self {
+            strength,
+            fracture_energy,
+            stiffness,
+            augmentation: default_augmentation(),
+            friction: 0.0,
+        }
     }
 
     /// The undamaged part of the critical jump.
@@ -113,8 +119,8 @@ impl Envelope for Bilinear {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Branch, InterfaceLaw};
     use super::super::testkit::{Samples, respond_to_jump};
+    use super::super::{Branch, InterfaceLaw};
     use super::*;
 
     impl Samples for Bilinear {

@@ -122,16 +122,26 @@ impl Envelope for ExponentialSoftening {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Branch, InterfaceLaw};
     use super::super::testkit::{Samples, respond_to_jump};
+    use super::super::{Branch, InterfaceLaw};
     use super::*;
 
     impl Samples for ExponentialSoftening {
         fn samples() -> Vec<Self> {
             // Not much less: the test kit's own Newton method for a given jump would cycle.
             vec![
-                ExponentialSoftening { strength: 1.1e6, fracture_energy: 900.0, augmentation: 20.0, friction: 0.0 },
-                ExponentialSoftening { strength: 3.0e6, fracture_energy: 100.0, augmentation: 4.0, friction: 0.0 },
+                ExponentialSoftening {
+                    strength: 1.1e6,
+                    fracture_energy: 900.0,
+                    augmentation: 20.0,
+                    friction: 0.0,
+                },
+                ExponentialSoftening {
+                    strength: 3.0e6,
+                    fracture_energy: 100.0,
+                    augmentation: 4.0,
+                    friction: 0.0,
+                },
             ]
         }
 
@@ -170,11 +180,16 @@ mod tests {
 
     #[test]
     fn bad_parameters_are_named() {
-        let law =
-            ExponentialSoftening { strength: 0.0, fracture_energy: -1.0, augmentation: 1.0, friction: 0.0 };
+        let law = ExponentialSoftening {
+            strength: 0.0,
+            fracture_energy: -1.0,
+            augmentation: 1.0,
+            friction: 0.0,
+        };
         let problems = law.check();
         assert_eq!(problems.len(), 3);
-        for (problem, name) in problems.iter().zip(["strength", "fracture_energy", "augmentation"]) {
+        for (problem, name) in problems.iter().zip(["strength", "fracture_energy", "augmentation"])
+        {
             assert!(problem.starts_with(name));
         }
     }

@@ -50,7 +50,7 @@ pub(in crate::solve) struct History {
 
 /// State of the secondary nodes that this rank owns, in the order of `Discretization::secondary`.
 pub struct InterfaceState {
-    dim: usize,
+    pub(super) dim: usize,
     /// The law of each interface.
     pub laws: Vec<JointLaw>,
     /// What strength and fracture energy of the interface are multiplied by at each node.
@@ -162,10 +162,9 @@ impl InterfaceState {
             let p: [f64; 3] = std::array::from_fn(|c| {
                 self.overstress * (traction[c] + augmentation * jump[c]) + damping * from[c]
             });
-            let respond = |part: f64| {
-                let p = to_local(p.map(|p| part * p), dim);
-                law.respond(p, damping, self.past(index), dim)
-            };
+            let past = self.past(index);
+            let respond =
+                |part: f64| law.respond(to_local(p.map(|p| part * p), dim), damping, past, dim);
             let (mut part, mut answer) = (1.0, respond(1.0));
             if self.is_gradual && holds(self.response[index].branch) {
                 while is_broken(answer.branch) && part > LEAST_PART {
@@ -173,7 +172,12 @@ impl InterfaceState {
                     answer = respond(part);
                 }
             }
-            let shift = p.map(|p| (part - 1.0) * p);
+            let mut shift = p.map(|p| (part - 1.0) * p);
+            if self.turns_round(index, &answer) {
+                let at_rest = law.at_rest(p[dim - 1], damping, past);
+                answer = law.respond(at_rest, damping, past, dim);
+                (0..dim).for_each(|c| shift[c] = at_rest[local_index(c, dim)] - p[c]);
+            }
             let asked = Asked { traction, jump, shift };
             self.response[index] = combine(rows, &asked, &answer, augmentation, dim);
         }

@@ -75,6 +75,15 @@ impl<'a> NodeLaw<'a> {
             .map(|w| if w == 0.0 { 0.0 } else { self.factor * self.law.shear_secant(history) * w })
     }
 
+    /// The augmented traction, made with the `damping` too, at which friction holds without acting,
+    /// under the normal one `normal`.
+    pub fn at_rest(&self, normal: f64, damping: f64, past: Past) -> Local {
+        let Past { history, sliding } = past;
+        let cohesive = self.cohesive_shear(history, sliding);
+        let shear = |c: usize| (self.augmentation() + damping) * sliding[c] + cohesive[c];
+        [normal, shear(0), shear(1)]
+    }
+
     /// As [`InterfaceLaw::broken_part`].
     pub fn broken_part(&self, history: f64) -> f64 {
         self.law.broken_part(history)

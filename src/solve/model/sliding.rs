@@ -2,6 +2,7 @@
 
 use super::interfaces::{InterfaceState, local_index};
 use crate::assembly::Discretization;
+use crate::law::Response;
 
 /// Sliding and friction at an accepted state.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -20,6 +21,15 @@ impl InterfaceState {
     /// Whether some interface has friction. Local; the same on all ranks.
     pub fn has_friction(&self) -> bool {
         self.laws.iter().any(|law| !law.spec.law().friction().is_none())
+    }
+
+    /// Whether a point that slid in the state that was evaluated last slides the other way by this
+    /// answer. It is then held: Newton's method would go to and fro between both ways. Local.
+    pub(super) fn turns_round(&self, index: usize, answer: &Response) -> bool {
+        let before = &self.response[index].state.friction;
+        let along: f64 =
+            (0..self.dim - 1).map(|c| before[c] * answer.friction[local_index(c, self.dim)]).sum();
+        along < 0.0
     }
 
     /// The traction of friction at the state that was evaluated last, by tangential component (Pa);
@@ -51,7 +61,6 @@ impl InterfaceState {
         if !self.law_at(index, rows).rubs() {
             return;
         }
-        debug_assert_eq!(local_index(0, all.dim), 1);
         let (now, traction) = (self.sliding_now(all.dim, index), self.friction(all, index));
         let before = self.sliding[index];
         let step: [f64; 2] = std::array::from_fn(|c| now[c] - before.at[c]);
