@@ -13,7 +13,8 @@ fn for_each_probe<L: Samples>(mut test: impl FnMut(&L, f64, Local, Past, usize, 
     for law in L::samples() {
         let r = law.augmentation(1.0e9);
         let mut random = Random(0x1234_5678_9abc_def1);
-        for (mut p, history, dim) in probes(&law, r) {
+        // An odd step, so that every kind of probe is among them.
+        for (mut p, history, dim) in probes(&law, r).into_iter().step_by(11) {
             if random.within(0.0, 1.0) < 0.6 {
                 p[0] = -p[0].abs();
             }
@@ -68,7 +69,7 @@ fn derivatives<L: Samples>() -> BTreeMap<(Branch, usize), usize> {
 fn meets(met: &BTreeMap<(Branch, usize), usize>, branches: &[Branch]) {
     for branch in branches {
         for dim in [2, 3] {
-            assert!(met.get(&(*branch, dim)).is_some_and(|n| *n > 5), "{branch:?} {dim}: {met:?}");
+            assert!(met.get(&(*branch, dim)).is_some_and(|n| *n > 2), "{branch:?} {dim}: {met:?}");
         }
     }
 }
@@ -133,7 +134,7 @@ fn is_continuous<L: Samples>() {
             FRICTION.respond(law, p, r, past, dim)
         };
         let size = p.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        let size = size + r * past.sliding[0].hypot(past.sliding[1]);
+        let size = size + r * law.jump_scale().unwrap_or(size / r);
         for piece in 0..20 {
             let (mut low, mut high) = (0.1 * f64::from(piece), 0.1 * f64::from(piece + 1));
             let first = at(low).branch;
@@ -147,7 +148,7 @@ fn is_continuous<L: Samples>() {
             let (below, above) = (at(low), at(high));
             for i in 0..dim {
                 let step = (below.traction[i] - above.traction[i]).abs();
-                assert!(step <= 1e-9 * size, "{first:?} {:?}: {step} {size}", above.branch);
+                assert!(step <= 1e-10 * size, "{first:?} {:?}: {step} {size}", above.branch);
             }
         }
     });

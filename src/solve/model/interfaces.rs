@@ -2,7 +2,7 @@
 
 use super::gaps::NodeData;
 pub use super::node_law::{JointLaw, NodeLaw};
-use super::sliding::Sliding;
+use super::sliding::{Reached, Sliding};
 use crate::assembly::{Discretization, NodeState};
 use crate::comm::Comm;
 use crate::interface::{JumpRow, JumpRows};
@@ -50,7 +50,7 @@ pub(in crate::solve) struct History {
 
 /// State of the secondary nodes that this rank owns, in the order of `Discretization::secondary`.
 pub struct InterfaceState {
-    pub(super) dim: usize,
+    dim: usize,
     /// The law of each interface.
     pub laws: Vec<JointLaw>,
     /// What strength and fracture energy of the interface are multiplied by at each node.
@@ -229,8 +229,30 @@ impl InterfaceState {
     pub(in crate::solve) fn take_tractions(&mut self, all: &Discretization) {
         for index in 0..self.response.len() {
             self.accepted[index] = self.augmented(all, index);
-            self.sliding[index].traction = self.friction(all, index);
+            let law = self.law_at(index, &all.secondary[index]);
+            self.sliding[index].traction = self.reached(index).friction(law);
         }
+    }
+
+    /// What the state that was evaluated last has at a node, with the accepted history. Local.
+    fn reached(&self, index: usize) -> Reached {
+        let (response, history) = (&self.response[index], self.committed[index]);
+        let tangent = |c: usize| c + 1 < self.dim;
+        let of = |at: &dyn Fn(usize) -> f64| [0, 1].map(|c| if tangent(c) { at(c) } else { 0.0 });
+        Reached {
+            is_closed: response.branch.is_closed(),
+            history,
+            sliding: of(&|c| response.jump[c] - response.defect[c]),
+            shear: of(&|c| response.bulk_traction[c]),
+        }
+    }
+
+    /// Whether a point that slid in the state that was evaluated last slides the other way by this
+    /// answer. It is then held: Newton's method would go to and fro between both ways. Local.
+    fn turns_round(&self, index: usize, answer: &Response) -> bool {
+        let before = &self.response[index].state.friction;
+        let along = |c: usize| before[c] * answer.friction[local_index(c, self.dim)];
+        (0..self.dim - 1).map(along).sum::<f64>() < 0.0
     }
 
     /// What is kept from accepted states. Local.
@@ -256,7 +278,9 @@ impl InterfaceState {
             let (law, jump) = (self.law_at(index, &all.secondary[index]), to_local(jump, self.dim));
             self.dissipated[index] = law.dissipated_after(before, from, to, jump);
             self.committed[index] = to;
-            self.slide(all, index);
+            let (rows, mut sliding) = (&all.secondary[index], self.sliding[index]);
+            sliding.go_on(self.law_at(index, rows), rows, &self.reached(index));
+            self.sliding[index] = sliding;
         }
         self.take_tractions(all);
     }
@@ -339,6 +363,6 @@ pub fn to_local(v: [f64; 3], dim: usize) -> [f64; 3] {
 }
 
 /// Place of a component in the frame (n, t1, t2).
-pub(super) fn local_index(component: usize, dim: usize) -> usize {
+fn local_index(component: usize, dim: usize) -> usize {
     if component + 1 == dim { 0 } else { component + 1 }
 }

@@ -1,8 +1,7 @@
-//! What friction keeps and takes at the nodes of interfaces.
+//! What friction keeps and takes at a node of an interface.
 
-use super::interfaces::{InterfaceState, local_index};
-use crate::assembly::Discretization;
-use crate::law::Response;
+use super::node_law::NodeLaw;
+use crate::interface::JumpRows;
 
 /// Sliding and friction at an accepted state.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -17,63 +16,44 @@ pub struct Sliding {
     pub traction: [f64; 2],
 }
 
-impl InterfaceState {
-    /// Whether some interface has friction. Local; the same on all ranks.
-    pub fn has_friction(&self) -> bool {
-        self.laws.iter().any(|law| !law.spec.law().friction().is_none())
-    }
+/// What a state has at a node.
+pub(super) struct Reached {
+    /// Whether the lips are closed.
+    pub is_closed: bool,
+    /// History with this state (m).
+    pub history: f64,
+    /// The sliding that the law answered, by tangential component (m).
+    pub sliding: [f64; 2],
+    /// The tangential traction, 0 where a component has no multiplier (Pa).
+    pub shear: [f64; 2],
+}
 
-    /// Whether a point that slid in the state that was evaluated last slides the other way by this
-    /// answer. It is then held: Newton's method would go to and fro between both ways. Local.
-    pub(super) fn turns_round(&self, index: usize, answer: &Response) -> bool {
-        let before = &self.response[index].state.friction;
-        let along: f64 =
-            (0..self.dim - 1).map(|c| before[c] * answer.friction[local_index(c, self.dim)]).sum();
-        along < 0.0
-    }
-
-    /// The traction of friction at the state that was evaluated last, by tangential component (Pa);
-    /// the history is the accepted one. Local.
-    pub(super) fn friction(&self, all: &Discretization, index: usize) -> [f64; 2] {
-        let (law, response) = (self.law_at(index, &all.secondary[index]), &self.response[index]);
-        let history = self.committed[index];
-        if !law.rubs() || !response.branch.is_closed() || law.broken_part(history) <= 0.0 {
+impl Reached {
+    /// The traction of friction: what is not cohesion (Pa).
+    pub fn friction(&self, law: NodeLaw<'_>) -> [f64; 2] {
+        if !law.rubs() || !self.is_closed || law.broken_part(self.history) <= 0.0 {
             return [0.0; 2];
         }
-        let cohesive = law.cohesive_shear(history, self.sliding_now(all.dim, index));
-        std::array::from_fn(|c| {
-            if c + 1 < all.dim { response.bulk_traction[c] - cohesive[c] } else { 0.0 }
-        })
+        let cohesive = law.cohesive_shear(self.history, self.sliding);
+        std::array::from_fn(|c| self.shear[c] - cohesive[c])
     }
+}
 
-    /// The sliding that the law answered at the state that was evaluated last (m).
-    fn sliding_now(&self, dim: usize, index: usize) -> [f64; 2] {
-        let response = &self.response[index];
-        std::array::from_fn(
-            |c| if c + 1 < dim { response.jump[c] - response.defect[c] } else { 0.0 },
-        )
-    }
-
-    /// Makes the sliding of the state that was evaluated last the accepted one, with the work of
-    /// friction on the way, trapezoidal as that of loads. The history is committed already. Local.
-    pub(super) fn slide(&mut self, all: &Discretization, index: usize) {
-        let rows = &all.secondary[index];
-        if !self.law_at(index, rows).rubs() {
+impl Sliding {
+    /// Goes on to a state, with the work of friction on the way, trapezoidal as that of loads.
+    pub fn go_on(&mut self, law: NodeLaw<'_>, rows: &JumpRows<u32>, to: &Reached) {
+        if !law.rubs() {
             return;
         }
-        let (now, traction) = (self.sliding_now(all.dim, index), self.friction(all, index));
-        let before = self.sliding[index];
-        let step: [f64; 2] = std::array::from_fn(|c| now[c] - before.at[c]);
+        let traction = to.friction(law);
+        let step: [f64; 2] = std::array::from_fn(|c| to.sliding[c] - self.at[c]);
         let weight = |c: usize| rows.rows[c].as_ref().map_or(0.0, |row| row.weight);
-        let work: f64 = (0..all.dim - 1)
-            .map(|c| 0.5 * weight(c) * (before.traction[c] + traction[c]) * step[c])
-            .sum();
-        let slides = traction != [0.0; 2];
-        self.sliding[index] = Sliding {
-            at: now,
-            path: before.path + if slides { step[0].hypot(step[1]) } else { 0.0 },
-            energy: before.energy + work,
-            traction,
-        };
+        let tangents = 0..rows.components - 1;
+        let work = |c: usize| 0.5 * weight(c) * (self.traction[c] + traction[c]) * step[c];
+        self.energy += tangents.map(work).sum::<f64>();
+        if traction != [0.0; 2] {
+            self.path += step[0].hypot(step[1]);
+        }
+        (self.at, self.traction) = (to.sliding, traction);
     }
 }
