@@ -41,7 +41,7 @@ impl Reached {
 
 impl Sliding {
     /// Goes on to a state, with the work of friction on the way, trapezoidal as that of loads.
-    pub fn go_on(&mut self, law: NodeLaw<'_>, rows: &JumpRows<u32>, to: &Reached) {
+    pub(super) fn go_on(&mut self, law: NodeLaw<'_>, rows: &JumpRows<u32>, to: &Reached) {
         if !law.rubs() {
             return;
         }
