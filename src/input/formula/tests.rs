@@ -85,8 +85,8 @@ fn mistakes_are_told_with_their_column() {
         ("max(1)", "`max` takes two or more argument(s) at column 6 of the formula"),
         (
             "1 + foo",
-            "unknown name `foo` (known: x, y, z, t, pi, sqrt, exp, ln, sin, cos, abs, min, \
-             max) at column 5 of the formula",
+            "unknown name `foo` (known: x, y, z, t, pi, sqrt, exp, ln, sin, cos, abs, \
+             step, min, max) at column 5 of the formula",
         ),
         ("2*#", "expected a number, a variable or `(` but found `#` at column 3 of the formula"),
     ] {
