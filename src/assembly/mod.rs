@@ -7,6 +7,7 @@
 mod cells;
 mod films;
 mod frames;
+mod friction;
 mod general;
 mod node_state;
 mod operator;

@@ -10,6 +10,7 @@ use std::rc::Rc;
 
 use super::Discretization;
 use super::NodeState;
+use super::friction::{friction_on_jump, spread_friction};
 use super::tangent::transform_diagonal;
 use crate::petsc::LinearOperator;
 
@@ -130,6 +131,7 @@ impl TangentOperator {
     fn fold_apart(&self, mut force: Apart<'_>, on_jumps: Option<&[f64]>) {
         let (all, dim) = (&self.all, self.all.dim);
         for (rows, state) in all.secondary.iter().zip(&*self.state.borrow()) {
+            let friction = friction_on_jump(rows, state, |own| *force.at(own as usize));
             for (c, row) in rows.rows[..dim].iter().enumerate() {
                 let Some(row) = row else { continue };
                 let own = rows.own(c) as usize;
@@ -144,6 +146,11 @@ impl TangentOperator {
                     }
                 } / row.own;
                 row.spread_to_others(carried, |unknown, f| *force.at(unknown as usize) += f);
+            }
+            if let Some(friction) = friction {
+                spread_friction(rows, state, friction, |unknown, f| {
+                    *force.at(unknown as usize) += f;
+                });
             }
         }
         let Apart { owned, ghosts } = force;

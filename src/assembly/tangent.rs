@@ -5,6 +5,7 @@
 //! becomes the identity. Prescribed components have identity rows and columns too. Only rows near
 //! an interface depend on the state; they alone are set anew when it changes.
 
+use super::friction::{friction_on_jump, spread_friction};
 use super::{Discretization, NodeState, Pattern, TangentMatrix};
 use crate::comm::Comm;
 use crate::error::Result;
@@ -116,8 +117,10 @@ impl Tangent {
         if plain {
             return matrix.add(&work.rows, &work.columns, stiffness);
         }
-        let expansions = expand_cell(all, state, cell, &work.coupled);
-        transform(stiffness, &expansions, work.coupled.len() * dim, &mut work.values);
+        let columns = expand_cell(all, state, cell, &work.coupled);
+        let rows = rows_of_friction(all, state, cell, &work.coupled, &columns);
+        let rows = rows.as_ref().unwrap_or(&columns);
+        transform(stiffness, [rows, &columns], work.coupled.len() * dim, &mut work.values);
         matrix.add(&work.rows, &work.columns, &work.values)
     }
 
@@ -205,14 +208,48 @@ fn expand(
     expansion
 }
 
-/// T^T K T, over `width` unknowns.
-fn transform(stiffness: &[f64], expansions: &[Expansion], width: usize, values: &mut Vec<f64>) {
+/// The rows of equations that the forces of a cell go to, where friction sends some to others than
+/// the columns; none without it.
+fn rows_of_friction(
+    all: &Discretization,
+    state: &[NodeState],
+    cell: usize,
+    coupled: &[u32],
+    columns: &[Expansion],
+) -> Option<Vec<Expansion>> {
+    let (dim, nodes) = (all.dim, all.cells.nodes(cell));
+    let of = |node: &u32| all.secondary_of[*node as usize].map(|index| index as usize);
+    if !nodes.iter().filter_map(of).any(|index| state[index].friction != [0.0; 3]) {
+        return None;
+    }
+    let mut rows = columns.to_vec();
+    for (place, index) in nodes.iter().enumerate().filter_map(|(i, n)| Some((i, of(n)?))) {
+        let (jump, state) = (&all.secondary[index], &state[index]);
+        let Some(unit) = friction_on_jump(jump, state, |_| 1.0) else { continue };
+        spread_friction(jump, state, unit, |unknown, f| {
+            let (node, component) = (unknown / dim as u32, unknown as usize % dim);
+            if !all.prescribed[node as usize][component] {
+                let at = coupled.iter().position(|c| *c == node).expect("a coupled node");
+                rows[place * dim + dim - 1].push((at * dim + component, f));
+            }
+        });
+    }
+    Some(rows)
+}
+
+/// R^T K T, R = T without friction, over `width` unknowns.
+fn transform(
+    stiffness: &[f64],
+    [rows, columns]: [&[Expansion]; 2],
+    width: usize,
+    values: &mut Vec<f64>,
+) {
     values.clear();
     values.resize(width * width, 0.0);
     let mut row_of_kt = vec![0.0; width];
-    for (k, rows) in stiffness.chunks_exact(expansions.len()).zip(expansions) {
+    for (k, rows) in stiffness.chunks_exact(columns.len()).zip(rows) {
         row_of_kt.fill(0.0);
-        for (k, columns) in k.iter().zip(expansions) {
+        for (k, columns) in k.iter().zip(columns) {
             for (column, b) in columns {
                 row_of_kt[*column] += k * b;
             }

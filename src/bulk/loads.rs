@@ -55,7 +55,7 @@ impl Loads {
         }
         if case.gravity != [0.0; 3] {
             for (index, material) in case.materials.iter().enumerate() {
-                let density = material.porous.as_ref().map_or(0.0, |porous| porous.density);
+                let density = material.density.unwrap_or(0.0);
                 let weight = case.gravity.map(|g| Some(Value::Constant(density * g)));
                 let source = loads.source("gravity".into(), Field::Components(weight));
                 for cell in 0..mesh.cells.len() {

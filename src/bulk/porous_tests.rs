@@ -12,6 +12,7 @@ fn medium() -> PorousMedium {
         groups: Vec::new(),
         young_modulus: 2.0,
         poisson_ratio: 0.2,
+        density: None,
         porous: None,
     };
     let porous = Porous {

@@ -93,6 +93,11 @@ impl Case {
         is_connected.then_some(SurfaceBit::Place(self.surfaces.len() + before))
     }
 
+    /// Whether lips may slide with friction, which makes tangents unsymmetric.
+    pub fn has_friction(&self) -> bool {
+        self.interfaces.iter().any(InterfaceSpec::has_friction)
+    }
+
     /// Whether a pore pressure acts on the skeleton, with flow or known beforehand.
     pub fn has_pressure(&self) -> bool {
         self.flow.is_some() || self.pressure_is_load

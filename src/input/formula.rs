@@ -33,18 +33,20 @@ enum Function {
     Sin,
     Cos,
     Abs,
+    Step,
     Min,
     Max,
 }
 
 impl Function {
-    const ALL: [(&str, Function); 8] = [
+    const ALL: [(&str, Function); 9] = [
         ("sqrt", Function::Sqrt),
         ("exp", Function::Exp),
         ("ln", Function::Ln),
         ("sin", Function::Sin),
         ("cos", Function::Cos),
         ("abs", Function::Abs),
+        ("step", Function::Step),
         ("min", Function::Min),
         ("max", Function::Max),
     ];
@@ -69,9 +71,16 @@ impl Function {
             Function::Ln => value.ln(),
             Function::Sin => value.sin(),
             Function::Cos => value.cos(),
+            Function::Step if value.is_nan() => value,
+            Function::Step => truth(value >= 0.0),
             _ => value.abs(),
         }
     }
+}
+
+/// 1 for what holds, or 0.
+fn truth(holds: bool) -> f64 {
+    f64::from(u8::from(holds))
 }
 
 impl Expression {
@@ -87,7 +96,12 @@ impl Expression {
                     '-' => left - right,
                     '*' => left * right,
                     '/' => left / right,
-                    _ => left.powf(right),
+                    '^' => left.powf(right),
+                    _ if left.is_nan() || right.is_nan() => f64::NAN,
+                    '<' => truth(left < right),
+                    '>' => truth(left > right),
+                    '≤' => truth(left <= right),
+                    _ => truth(left >= right),
                 }
             }
             Expression::Call(function, arguments) => {
@@ -108,7 +122,8 @@ impl Expression {
 }
 
 impl Formula {
-    /// Reads a formula. `^` is right-associative and binds tighter than the sign before it.
+    /// Reads a formula. `^` is right-associative and binds tighter than the sign before it;
+    /// comparisons, of which there is one at a time, bind least and give 1 or 0.
     ///
     /// # Errors
     /// A sentence with the column (from 1) inside the formula.
@@ -121,7 +136,7 @@ impl Formula {
             ));
         }
         let mut parser = Parser { characters, position: 0, depth: 0 };
-        let root = parser.sum()?;
+        let root = parser.comparison()?;
         match parser.peek() {
             None => Ok(Formula { text: text.to_owned(), root }),
             Some(')') => Err(parser.complain("a closing parenthesis without an opening one")),
@@ -191,6 +206,20 @@ impl Parser {
         format!("{what} at column {} of the formula", self.position + 1)
     }
 
+    fn comparison(&mut self) -> Result<Expression, String> {
+        let left = self.sum()?;
+        let Some(operator @ ('<' | '>' | '≤' | '≥')) = self.peek() else { return Ok(left) };
+        self.position += 1;
+        let with_equal = self.characters.get(self.position) == Some(&'=');
+        self.position += usize::from(with_equal);
+        let operator = match (operator, with_equal) {
+            ('<', true) => '≤',
+            ('>', true) => '≥',
+            (other, _) => other,
+        };
+        Ok(Expression::Binary(operator, Box::new(left), Box::new(self.sum()?)))
+    }
+
     fn sum(&mut self) -> Result<Expression, String> {
         let mut left = self.product()?;
         while let Some(operator @ ('+' | '-')) = self.peek() {
@@ -239,7 +268,7 @@ impl Parser {
             None => Err(self.complain("a number, a variable or `(` is missing")),
             Some('(') => {
                 self.position += 1;
-                let inner = self.sum()?;
+                let inner = self.comparison()?;
                 self.close()?;
                 Ok(inner)
             }
@@ -308,9 +337,9 @@ impl Parser {
         if !self.take('(') {
             return Err(self.complain(&format!("`(` is missing after `{name}`")));
         }
-        let mut arguments = vec![self.sum()?];
+        let mut arguments = vec![self.comparison()?];
         while self.take(',') {
-            arguments.push(self.sum()?);
+            arguments.push(self.comparison()?);
         }
         if function.takes_many() != (arguments.len() > 1) {
             let wanted = if function.takes_many() { "two or more" } else { "one" };

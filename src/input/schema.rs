@@ -261,6 +261,13 @@ impl Walk<'_, '_> {
             entries.iter().map(|entry| &entry.key).filter(|key| known.contains(key)).collect();
         match (&named[..], entries.first()) {
             ([_, _, ..], _) => {
+                let has_all = |one: &&&'static Json| {
+                    let keys = keys_of(one);
+                    named.iter().all(|key| keys.contains(key))
+                };
+                if let Some(one) = fitting.iter().find(has_all) {
+                    return self.node(one, node, path);
+                }
                 let reason = format!("must have one of the keys {}", known.join(", "));
                 self.breaks(node, path, &reason);
             }

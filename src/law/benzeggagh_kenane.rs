@@ -5,14 +5,14 @@ use serde::{Deserialize, Serialize};
 
 use self::potential::{Load, Potential};
 use super::softening::{SMALLEST_JUMP, THRESHOLD_TIE, not_positive};
-use super::{Branch, InterfaceLaw, Local, LocalMatrix, Response};
+use super::{Branch, Friction, InterfaceLaw, Local, LocalMatrix, Response};
 use crate::error::number_text;
 
 mod potential;
 
 /// Exact adhesion up to an ellipse of normal and shear strength, then linear softening with the
-/// fracture energy of Benzeggagh and Kenane, secant unloading; contact without friction, whatever
-/// the damage.
+/// fracture energy of Benzeggagh and Kenane, secant unloading; contact, with friction on what is
+/// broken.
 ///
 /// With $N$, $S$ the strengths, $\beta = S/N$, $M = \mathrm{diag}(1, \beta^2, \beta^2)$,
 /// $d^2 = w_+ \cdot M w_+$, the share of shear $B = \beta^2 |w_t|^2/d^2 = \sin^2\theta$ and
@@ -57,6 +57,9 @@ pub struct BenzeggaghKenane {
     /// does not depend on it.
     #[serde(default = "default_augmentation")]
     pub augmentation: f64,
+    /// Coefficient of friction on the broken part of closed lips.
+    #[serde(default)]
+    pub friction: f64,
 }
 
 fn default_augmentation() -> f64 {
@@ -77,6 +80,7 @@ impl BenzeggaghKenane {
             shear_fracture_energy,
             exponent,
             augmentation,
+            friction: 0.0,
         }
     }
 
@@ -156,6 +160,7 @@ impl BenzeggaghKenane {
             compliance: in_frame(a, 1.0 / (r + aside), e, dim),
             stuck: [closed, false, false],
             tangent: in_frame(c, aside, e, dim),
+            friction: [0.0; 3],
             branch: at.branch,
             history: grown.max(kappa).min(potential.critical()),
         })
@@ -273,6 +278,27 @@ impl InterfaceLaw for BenzeggaghKenane {
         history < self.critical()
     }
 
+    fn friction(&self) -> Friction {
+        Friction { coefficient: self.friction, cohesion: 0.0 }
+    }
+
+    fn shear_secant(&self, history: f64) -> f64 {
+        let open = history < self.critical();
+        if open { self.potential().secant(history) * self.beta() * self.beta() } else { 0.0 }
+    }
+
+    fn sliding_of(&self, history: f64) -> f64 {
+        let potential = self.potential();
+        potential.reach(history.min(self.critical()), &potential.mode(1.0, 0.0)) / self.beta()
+    }
+
+    fn slid_to(&self, sliding: f64) -> (f64, f64) {
+        let (potential, critical) = (self.potential(), self.critical());
+        let d = self.beta() * sliding;
+        let history = potential.history(d, &potential.mode(1.0, 0.0)).min(critical);
+        (history, self.beta() * (history / d).powi(2) / critical)
+    }
+
     fn check(&self) -> Vec<String> {
         let mut problems = not_positive(&[
             ("strength", self.strength),
@@ -280,6 +306,7 @@ impl InterfaceLaw for BenzeggaghKenane {
             ("fracture_energy", self.fracture_energy),
             ("shear_fracture_energy", self.shear_fracture_energy),
         ]);
+        problems.extend(self.friction().mistakes());
         if !(self.exponent.is_finite() && self.exponent >= 1.0) {
             problems.push(format!(
                 "exponent must be at least 1, or the tangent has no bound at pure opening, got {}",

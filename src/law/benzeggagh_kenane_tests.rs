@@ -19,6 +19,7 @@ impl Samples for BenzeggaghKenane {
                 shear_fracture_energy: 60.0,
                 exponent: 1.0,
                 augmentation: 4.0,
+                friction: 0.0,
             },
             BenzeggaghKenane {
                 strength: 1.1,
@@ -27,6 +28,7 @@ impl Samples for BenzeggaghKenane {
                 shear_fracture_energy: 2.7,
                 exponent: 1.5,
                 augmentation: 20.0,
+                friction: 0.0,
             },
         ]
     }
@@ -53,6 +55,7 @@ fn reference() -> BenzeggaghKenane {
         shear_fracture_energy: 1500.0,
         exponent: 2.0,
         augmentation: 10.0,
+        friction: 0.0,
     }
 }
 
@@ -78,7 +81,12 @@ fn assert_close(found: f64, exact: f64, scale: f64) {
 
 #[test]
 fn equal_modes_are_linear_softening() {
-    let linear = LinearSoftening { strength: 1.1e6, fracture_energy: 900.0, augmentation: 10.0 };
+    let linear = LinearSoftening {
+        strength: 1.1e6,
+        fracture_energy: 900.0,
+        augmentation: 10.0,
+        friction: 0.0,
+    };
     let law = BenzeggaghKenane {
         strength: 1.1e6,
         shear_strength: 1.1e6,
@@ -86,6 +94,7 @@ fn equal_modes_are_linear_softening() {
         shear_fracture_energy: 900.0,
         exponent: 1.7,
         augmentation: 10.0,
+        friction: 0.0,
     };
     let r = linear.augmentation(0.0);
     assert_close(law.augmentation(0.0), r, r);
@@ -347,6 +356,7 @@ fn bad_parameters_are_named() {
         shear_fracture_energy: f64::INFINITY,
         exponent: 0.9,
         augmentation: 0.5,
+        friction: 0.0,
     };
     let names = [
         "strength",

@@ -29,6 +29,9 @@ pub struct Bilinear {
     /// does not depend on it.
     #[serde(default = "default_augmentation")]
     pub augmentation: f64,
+    /// Coefficient of friction on the broken part of closed lips.
+    #[serde(default)]
+    pub friction: f64,
 }
 
 fn default_augmentation() -> f64 {
@@ -38,7 +41,13 @@ fn default_augmentation() -> f64 {
 impl Bilinear {
     /// The law with the default augmentation; units as in the fields.
     pub fn new(strength: f64, fracture_energy: f64, stiffness: f64) -> Self {
-        Self { strength, fracture_energy, stiffness, augmentation: default_augmentation() }
+        Self {
+            strength,
+            fracture_energy,
+            stiffness,
+            augmentation: default_augmentation(),
+            friction: 0.0,
+        }
     }
 
     /// The undamaged part of the critical jump.
@@ -61,6 +70,10 @@ impl Envelope for Bilinear {
     fn dissipated_part(&self, jump: f64) -> f64 {
         let first = self.elastic_part();
         ((jump / self.critical_jump() - first) / (1.0 - first)).max(0.0)
+    }
+
+    fn coefficient_of_friction(&self) -> f64 {
+        self.friction
     }
 
     fn mistakes(&self) -> Vec<String> {
@@ -106,8 +119,8 @@ impl Envelope for Bilinear {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Branch, InterfaceLaw};
     use super::super::testkit::{Samples, respond_to_jump};
+    use super::super::{Branch, InterfaceLaw};
     use super::*;
 
     impl Samples for Bilinear {
@@ -118,12 +131,14 @@ mod tests {
                     fracture_energy: 900.0,
                     stiffness: 1.0e11,
                     augmentation: 10.0,
+                    friction: 0.0,
                 },
                 Bilinear {
                     strength: 3.0e6,
                     fracture_energy: 100.0,
                     stiffness: 9.0e10,
                     augmentation: 1.5,
+                    friction: 0.0,
                 },
             ]
         }

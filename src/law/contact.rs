@@ -1,19 +1,34 @@
-//! Frictionless unilateral contact.
+//! Unilateral contact.
 
 #![allow(clippy::needless_range_loop)] // index notation, as in the formulas
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Branch, InterfaceLaw, Local, Response};
+use super::{Branch, Friction, InterfaceLaw, Local, Response};
 
-/// Frictionless unilateral contact (Signorini): compression is transmitted, nothing else.
+/// Unilateral contact (Signorini): compression is transmitted, and shear up to the limit of Coulomb
+/// and Mohr, $|t_t| \le c - \mu t_n$, where the lips are closed.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Contact {}
+pub struct Contact {
+    /// Coefficient of friction.
+    #[serde(default)]
+    pub friction: f64,
+    /// Shear that closed lips bear without any pressure, Pa.
+    #[serde(default)]
+    pub cohesion: f64,
+}
+
+impl Contact {
+    /// Contact with friction, cohesion in Pa.
+    pub fn new(friction: f64, cohesion: f64) -> Self {
+        Self { friction, cohesion }
+    }
+}
 
 impl InterfaceLaw for Contact {
-    /// w_n = max(p_n, 0) / r, w_t = p_t / r; the tangential directions are always free.
+    /// w_n = max(p_n, 0) / r, w_t = p_t / r.
     fn respond(&self, p: Local, augmentation: f64, history: f64, dim: usize) -> Response {
         let closed = p[0] <= 0.0;
         let mut out = Response {
@@ -22,6 +37,7 @@ impl InterfaceLaw for Contact {
             compliance: [[0.0; 3]; 3],
             stuck: [closed, false, false],
             tangent: [[0.0; 3]; 3],
+            friction: [0.0; 3],
             branch: if closed { Branch::Closed } else { Branch::Open },
             history,
         };
@@ -64,19 +80,28 @@ impl InterfaceLaw for Contact {
         false
     }
 
+    /// As long as the lips are closed.
     fn holds_sliding(&self, _history: f64) -> bool {
-        false
+        !self.friction().is_none()
+    }
+
+    fn friction(&self) -> Friction {
+        Friction { coefficient: self.friction, cohesion: self.cohesion }
+    }
+
+    fn broken_part(&self, _history: f64) -> f64 {
+        1.0
     }
 
     fn check(&self) -> Vec<String> {
-        Vec::new()
+        self.friction().mistakes()
     }
 }
 
 #[cfg(test)]
 impl super::testkit::Samples for Contact {
     fn samples() -> Vec<Self> {
-        vec![Contact {}]
+        vec![Contact::default()]
     }
 
     fn branches() -> &'static [Branch] {

@@ -8,7 +8,7 @@ use crate::error::number_text;
 
 /// Exact adhesion up to the strength, then softening of the traction along the jump as
 /// $\sigma_c \exp(-\delta/L)$ with $L = G_c/\sigma_c$, with secant unloading; one strength and one
-/// fracture energy for all modes; contact without friction, whatever the damage.
+/// fracture energy for all modes; contact, with friction on what is broken.
 ///
 /// The envelope ends at 36 L, where the traction is as small as the rounding of the strength. The
 /// damage is the part of the fracture energy that is dissipated.
@@ -27,6 +27,9 @@ pub struct ExponentialSoftening {
     /// does not depend on it.
     #[serde(default = "default_augmentation")]
     pub augmentation: f64,
+    /// Coefficient of friction on the broken part of closed lips.
+    #[serde(default)]
+    pub friction: f64,
 }
 
 fn default_augmentation() -> f64 {
@@ -39,7 +42,7 @@ const END: f64 = 36.0;
 impl ExponentialSoftening {
     /// The law with the default augmentation; units as in the fields.
     pub fn new(strength: f64, fracture_energy: f64) -> Self {
-        Self { strength, fracture_energy, augmentation: default_augmentation() }
+        Self { strength, fracture_energy, augmentation: default_augmentation(), friction: 0.0 }
     }
 
     /// L = G_c / sigma_c, m.
@@ -61,6 +64,10 @@ impl Envelope for ExponentialSoftening {
     fn dissipated_part(&self, jump: f64) -> f64 {
         let x = jump / self.length();
         -(-x).exp_m1() - 0.5 * x * (-x).exp()
+    }
+
+    fn coefficient_of_friction(&self) -> f64 {
+        self.friction
     }
 
     fn mistakes(&self) -> Vec<String> {
@@ -115,16 +122,26 @@ impl Envelope for ExponentialSoftening {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Branch, InterfaceLaw};
     use super::super::testkit::{Samples, respond_to_jump};
+    use super::super::{Branch, InterfaceLaw};
     use super::*;
 
     impl Samples for ExponentialSoftening {
         fn samples() -> Vec<Self> {
             // Not much less: the test kit's own Newton method for a given jump would cycle.
             vec![
-                ExponentialSoftening { strength: 1.1e6, fracture_energy: 900.0, augmentation: 20.0 },
-                ExponentialSoftening { strength: 3.0e6, fracture_energy: 100.0, augmentation: 4.0 },
+                ExponentialSoftening {
+                    strength: 1.1e6,
+                    fracture_energy: 900.0,
+                    augmentation: 20.0,
+                    friction: 0.0,
+                },
+                ExponentialSoftening {
+                    strength: 3.0e6,
+                    fracture_energy: 100.0,
+                    augmentation: 4.0,
+                    friction: 0.0,
+                },
             ]
         }
 
@@ -163,11 +180,16 @@ mod tests {
 
     #[test]
     fn bad_parameters_are_named() {
-        let law =
-            ExponentialSoftening { strength: 0.0, fracture_energy: -1.0, augmentation: 1.0 };
+        let law = ExponentialSoftening {
+            strength: 0.0,
+            fracture_energy: -1.0,
+            augmentation: 1.0,
+            friction: 0.0,
+        };
         let problems = law.check();
         assert_eq!(problems.len(), 3);
-        for (problem, name) in problems.iter().zip(["strength", "fracture_energy", "augmentation"]) {
+        for (problem, name) in problems.iter().zip(["strength", "fracture_energy", "augmentation"])
+        {
             assert!(problem.starts_with(name));
         }
     }

@@ -7,8 +7,8 @@ use super::softening::Envelope;
 use crate::error::number_text;
 
 /// Exact adhesion up to the strength, then linear softening of the traction along the jump to
-/// zero, with secant unloading; one strength and one fracture energy for all modes; contact
-/// without friction, whatever the damage.
+/// zero, with secant unloading; one strength and one fracture energy for all modes; contact,
+/// with friction on what is broken.
 ///
 /// With $p_+ = (\max(p_n, 0), p_t)$, $q = |p_+|$, $\delta_c = 2 G_c/\sigma_c$,
 /// $h = \sigma_c/\delta_c$ and $s(\kappa) = \sigma_c (1/\kappa - 1/\delta_c)$ the jump is
@@ -29,6 +29,9 @@ pub struct LinearSoftening {
     /// does not depend on it.
     #[serde(default = "default_augmentation")]
     pub augmentation: f64,
+    /// Coefficient of friction on the broken part of closed lips.
+    #[serde(default)]
+    pub friction: f64,
 }
 
 fn default_augmentation() -> f64 {
@@ -38,7 +41,7 @@ fn default_augmentation() -> f64 {
 impl LinearSoftening {
     /// The law with the default augmentation; units as in the fields.
     pub fn new(strength: f64, fracture_energy: f64) -> Self {
-        Self { strength, fracture_energy, augmentation: default_augmentation() }
+        Self { strength, fracture_energy, augmentation: default_augmentation(), friction: 0.0 }
     }
 
     /// h = sigma_c / delta_c, Pa/m.
@@ -58,6 +61,10 @@ impl Envelope for LinearSoftening {
 
     fn dissipated_part(&self, jump: f64) -> f64 {
         jump / self.critical_jump()
+    }
+
+    fn coefficient_of_friction(&self) -> f64 {
+        self.friction
     }
 
     fn mistakes(&self) -> Vec<String> {

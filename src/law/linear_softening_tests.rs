@@ -1,15 +1,30 @@
 #![allow(clippy::needless_range_loop)] // index notation, as in the formulas
 
-use super::super::{Branch, InterfaceLaw, Local};
 use super::super::testkit::{Samples, respond_to_jump};
+use super::super::{Branch, InterfaceLaw, Local};
 use super::*;
 
 impl Samples for LinearSoftening {
     fn samples() -> Vec<Self> {
         vec![
-            LinearSoftening { strength: 1.1e6, fracture_energy: 900.0, augmentation: 10.0 },
-            LinearSoftening { strength: 3.0e6, fracture_energy: 100.0, augmentation: 1.5 },
-            LinearSoftening { strength: 1.1, fracture_energy: 0.9, augmentation: 100.0 },
+            LinearSoftening {
+                strength: 1.1e6,
+                fracture_energy: 900.0,
+                augmentation: 10.0,
+                friction: 0.0,
+            },
+            LinearSoftening {
+                strength: 3.0e6,
+                fracture_energy: 100.0,
+                augmentation: 1.5,
+                friction: 0.0,
+            },
+            LinearSoftening {
+                strength: 1.1,
+                fracture_energy: 0.9,
+                augmentation: 100.0,
+                friction: 0.0,
+            },
         ]
     }
 
@@ -144,7 +159,12 @@ fn a_committed_softening_state_is_taken_as_unloading() {
 
 #[test]
 fn bad_parameters_are_named() {
-    let law = LinearSoftening { strength: -1.0, fracture_energy: f64::NAN, augmentation: 0.5 };
+    let law = LinearSoftening {
+        strength: -1.0,
+        fracture_energy: f64::NAN,
+        augmentation: 0.5,
+        friction: 0.0,
+    };
     let problems = law.check();
     for (problem, name) in problems.iter().zip(["strength", "fracture_energy", "augmentation"]) {
         assert!(problem.starts_with(name));

@@ -11,14 +11,17 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+mod friction;
 mod softening;
 #[cfg(test)]
 mod testkit;
 
+pub use friction::{Friction, Past};
+
 /// A vector in the local frame (n, t1, t2); in 2D the third component is zero.
 pub type Local = [f64; 3];
 
-/// A symmetric operator in the local frame.
+/// An operator in the local frame.
 pub type LocalMatrix = [[f64; 3]; 3];
 
 /// The regime of an interface point. `Closed`: the normal is in contact and transmits compression.
@@ -47,11 +50,15 @@ pub enum Branch {
     Closed = 9,
     /// Bonded for good.
     Tied = 10,
+    /// In contact, and held by friction.
+    Held = 11,
+    /// No cohesion left or none from the start, in contact, and sliding against friction.
+    Sliding = 12,
 }
 
 impl Branch {
     /// Every regime.
-    pub const ALL: [Branch; 11] = [
+    pub const ALL: [Branch; 13] = [
         Branch::Stick,
         Branch::StickClosed,
         Branch::Unloading,
@@ -63,6 +70,8 @@ impl Branch {
         Branch::Open,
         Branch::Closed,
         Branch::Tied,
+        Branch::Held,
+        Branch::Sliding,
     ];
 
     /// The regime in words.
@@ -79,6 +88,8 @@ impl Branch {
             Branch::Open => "open",
             Branch::Closed => "in contact",
             Branch::Tied => "tied",
+            Branch::Held => "held by friction",
+            Branch::Sliding => "sliding with friction",
         }
     }
 
@@ -88,15 +99,18 @@ impl Branch {
         self.is_separated() || matches!(self, Branch::Softening | Branch::SofteningClosed)
     }
 
-    /// Whether nothing but contact is left: no tension, no shear.
+    /// Whether nothing but contact is left, which lets go: no tension, no more shear than there is.
     pub fn is_separated(self) -> bool {
-        matches!(self, Branch::Broken | Branch::BrokenClosed | Branch::Open | Branch::Closed)
+        use Branch::{Broken, BrokenClosed, Closed, Open, Sliding};
+        matches!(self, Broken | BrokenClosed | Open | Closed | Sliding)
     }
 
     /// Whether the normal is in contact (its jump is prescribed as zero by compression).
     pub fn is_closed(self) -> bool {
-        use Branch::{BrokenClosed, Closed, SofteningClosed, StickClosed, UnloadingClosed};
+        use Branch::{BrokenClosed, Closed, Held, Sliding};
+        use Branch::{SofteningClosed, StickClosed, UnloadingClosed};
         matches!(self, StickClosed | UnloadingClosed | SofteningClosed | BrokenClosed | Closed)
+            || matches!(self, Held | Sliding)
     }
 }
 
@@ -107,13 +121,17 @@ pub struct Response {
     pub jump: Local,
     /// Traction t = p - r w, Pa.
     pub traction: Local,
-    /// A = dw/dp, m/Pa: symmetric, positive semi-definite, zero rows and columns where stuck.
+    /// A = dw/dp, m/Pa: zero rows where stuck. Without friction it is symmetric and positive
+    /// semi-definite; sliding against friction adds the column of the normal, and what turns.
     pub compliance: LocalMatrix,
     /// Components whose jump is prescribed (as zero): stick, tie or closed contact.
     pub stuck: [bool; 3],
     /// C = A^-1 - r I on the components that are not stuck, zero elsewhere, Pa/m: the tangent
-    /// dt/dw; symmetric, negative along the jump while it softens.
+    /// dt/dw; symmetric without friction, negative along the jump while it softens.
     pub tangent: LocalMatrix,
+    /// Derivative of the tangential tractions by the normal one where the jump stays: of friction,
+    /// against the sliding; zero elsewhere.
+    pub friction: Local,
     /// The regime.
     pub branch: Branch,
     /// Trial history kappa, m: the largest equivalent jump up to and including this state.
@@ -129,6 +147,7 @@ impl Response {
             compliance: [[0.0; 3]; 3],
             stuck: std::array::from_fn(|i| i < dim),
             tangent: [[0.0; 3]; 3],
+            friction: [0.0; 3],
             branch,
             history,
         }
@@ -137,7 +156,8 @@ impl Response {
 
 /// A law of an interface point. Object-safe; no state of its own: the history is the caller's.
 pub trait InterfaceLaw {
-    /// Jump, traction, derivatives and trial history at the augmented traction `p`.
+    /// Jump, traction, derivatives and trial history at the augmented traction `p`, without
+    /// friction, which [`Friction::respond`] adds.
     ///
     /// # Arguments
     /// * `p` = t + r w, Pa; components beyond `dim` are ignored
@@ -197,6 +217,33 @@ pub trait InterfaceLaw {
 
     /// Whether an interface with this history holds a body against sliding.
     fn holds_sliding(&self, history: f64) -> bool;
+
+    /// Friction where the lips are closed; none unless the law says otherwise.
+    fn friction(&self) -> Friction {
+        Friction::NONE
+    }
+
+    /// The broken part of the area of a point with this history, on which friction acts.
+    fn broken_part(&self, history: f64) -> f64 {
+        self.damage(history)
+    }
+
+    /// Tangential traction over jump of closed lips with this history that slide less than before,
+    /// Pa/m.
+    fn shear_secant(&self, _history: f64) -> f64 {
+        0.0
+    }
+
+    /// How far closed lips have slid where that alone has left the history, m.
+    fn sliding_of(&self, history: f64) -> f64 {
+        history
+    }
+
+    /// The history of closed lips that have slid so far for the first time, m, and the derivative
+    /// of the broken part by the sliding, 1/m.
+    fn slid_to(&self, sliding: f64) -> (f64, f64) {
+        (sliding, 0.0)
+    }
 
     /// The problems of the parameters, in words, each beginning with its parameter; empty if none.
     fn check(&self) -> Vec<String>;
@@ -286,7 +333,7 @@ mod tests {
     fn unknown_names_are_refused() {
         for text in [
             r#"{"tied": {"strength": 1.0}}"#,
-            r#"{"contact": {"friction": 0.3}}"#,
+            r#"{"contact": {"fricton": 0.3}}"#,
             r#"{"linear_softening": {"strength": 1, "fracture_energy": 1, "augmentatoin": 1}}"#,
             r#"{"glued": {}}"#,
         ] {

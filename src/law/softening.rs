@@ -2,9 +2,9 @@
 //!
 //! The traction follows the direction of the jump; its size is bounded by an envelope of the
 //! largest equivalent jump so far, and below that jump it is proportional to the jump. One strength
-//! and one fracture energy serve all modes; contact is without friction, whatever the damage.
+//! and one fracture energy serve all modes. Friction comes in [`super::friction`].
 
-use super::{Branch, InterfaceLaw, Local, LocalMatrix, Response};
+use super::{Branch, Friction, InterfaceLaw, Local, LocalMatrix, Response};
 use crate::error::number_text;
 
 /// Equivalent jumps below this fraction of the critical one count as none: their secant is as good
@@ -25,6 +25,9 @@ pub trait Envelope {
     /// The part of the energy of full rupture that is dissipated up to a largest jump below the
     /// critical one.
     fn dissipated_part(&self, jump: f64) -> f64;
+
+    /// Coefficient of friction on the broken part of closed lips.
+    fn coefficient_of_friction(&self) -> f64;
 
     /// What is wrong with the parameters, each positive.
     fn mistakes(&self) -> Vec<String>;
@@ -95,6 +98,7 @@ fn respond(law: &impl Envelope, p: Local, r: f64, history: f64, dim: usize) -> R
         compliance: transverse_isotropic(1.0 / (r + along), 1.0 / (r + across), pulled, first..dim),
         stuck: [closed, false, false],
         tangent: transverse_isotropic(along, across, pulled, first..dim),
+        friction: [0.0; 3],
         branch,
         history: kappa,
     }
@@ -153,10 +157,31 @@ impl<E: Envelope> InterfaceLaw for E {
         history < self.critical_jump()
     }
 
+    fn friction(&self) -> Friction {
+        Friction { coefficient: self.coefficient_of_friction(), cohesion: 0.0 }
+    }
+
+    fn shear_secant(&self, history: f64) -> f64 {
+        let kappa = history.max(self.elastic_jump());
+        if kappa < self.critical_jump() { self.secant(kappa) } else { 0.0 }
+    }
+
+    fn sliding_of(&self, history: f64) -> f64 {
+        history.max(self.elastic_jump())
+    }
+
+    /// From G_c D = (area under the envelope) - (what unloading gives back).
+    fn slid_to(&self, sliding: f64) -> (f64, f64) {
+        let (secant, slope) = (self.secant(sliding), self.slope(sliding));
+        let energy = self.strength_and_energy().1;
+        (sliding, 0.5 * (secant - slope) * sliding / energy)
+    }
+
     fn check(&self) -> Vec<String> {
         let (strength, fracture_energy) = self.strength_and_energy();
         let mut problems =
             not_positive(&[("strength", strength), ("fracture_energy", fracture_energy)]);
+        problems.extend(self.friction().mistakes());
         problems.extend(self.mistakes());
         problems
     }

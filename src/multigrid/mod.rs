@@ -128,6 +128,10 @@ impl Hierarchy {
         let mut state = state.to_vec();
         for level in (0..self.operators.len()).rev() {
             self.operators[level].set_state(&state);
+            if level + 1 == self.operators.len() {
+                // Coarser levels only precondition.
+                state.iter_mut().for_each(|state| *state = state.symmetric());
+            }
             if let Some(smoother) = level.checked_sub(1).and_then(|l| self.smoothers.get(l)) {
                 let mut coupling = [self.operators[level].strongest_pair()];
                 comm.max(&mut coupling);

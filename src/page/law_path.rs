@@ -1,6 +1,6 @@
 //! What a law says along the path that an interface took.
 
-use crate::law::{InterfaceLaw, Local};
+use crate::law::{InterfaceLaw, Local, Past};
 
 /// The means over an interface at one instant, in the frame (n, t1, t2).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,6 +45,7 @@ pub(super) fn along(joint: Joint<'_>, means: &[Mean]) -> [Curve; 3] {
     let r = law.augmentation(stiffness);
     let steps = (SAMPLES / means.len().max(1)).max(FEWEST);
     let mut curves: [Curve; 3] = std::array::from_fn(|_| vec![(0.0, 0.0)]);
+    let (friction, mut sliding) = (law.friction(), [0.0; 2]);
     let (mut history, mut from) = (0.0, [0.0; 3]);
     for mean in means {
         let to: Local = std::array::from_fn(|c| mean.traction[c] + r * mean.jump[c]);
@@ -54,12 +55,14 @@ pub(super) fn along(joint: Joint<'_>, means: &[Mean]) -> [Curve; 3] {
             let share = step as f64 / steps as f64;
             // The last one to the last bit.
             let p = std::array::from_fn(|c| (1.0 - share) * from[c] + share * to[c]);
-            let mut answer = law.respond(p, r, before, dim);
+            let past = |history: f64| Past { history, sliding };
+            let mut answer = friction.respond(law, p, r, past(before), dim);
             if step == steps {
                 let further = history_of(law, answer.history, mean.damage);
                 if further > answer.history {
-                    answer = law.respond(p, r, further, dim);
+                    answer = friction.respond(law, p, r, past(further), dim);
                 }
+                sliding = [answer.jump[1], answer.jump[2]];
             }
             history = answer.history;
             for (c, curve) in curves.iter_mut().enumerate() {
@@ -121,8 +124,12 @@ mod tests {
     use super::*;
     use crate::law::LinearSoftening;
 
-    const LAW: LinearSoftening =
-        LinearSoftening { strength: 1.1e6, fracture_energy: 900.0, augmentation: 10.0 };
+    const LAW: LinearSoftening = LinearSoftening {
+        strength: 1.1e6,
+        fracture_energy: 900.0,
+        augmentation: 10.0,
+        friction: 0.0,
+    };
 
     const JOINT: Joint<'_> = Joint { law: &LAW, stiffness: 1e9, dim: 3 };
 

@@ -47,6 +47,9 @@ pub fn refusal(case: &Case, situation: Situation) -> Option<String> {
     if case.has_pressure() {
         return says("a pore pressure acts");
     }
+    if let Some(interface) = case.interfaces.iter().find(|i| i.has_friction()) {
+        return Some(format!("{} slides with friction", interface.name));
+    }
     if case.control.is_some() {
         return says("a path is followed");
     }

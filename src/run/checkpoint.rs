@@ -15,7 +15,7 @@ use crate::output::history::Table;
 use crate::output::publisher::Publisher;
 use crate::output::series;
 use crate::signals;
-use crate::solve::{Model, State};
+use crate::solve::{INTERFACE_WIDTH, Model, State};
 
 /// Checkpoints that nobody has asked for come at most once in so many times what one takes.
 const SELDOM: u32 = 20;
@@ -224,7 +224,7 @@ impl Restart {
         let dim = all.dim;
         let fields = if (state.nodes, state.secondary) == (all.nodes.total, secondary) {
             let pores = if model.stepper.coupling.is_some() { 2 } else { 0 };
-            opened.fields(comm, all.nodes.total, secondary, [2 * dim + pores, 2])
+            opened.fields(comm, all.nodes.total, secondary, [2 * dim + pores, INTERFACE_WIDTH])
         } else {
             Err(Error::Input(format!(
                 "cannot go on from {}: it is of a mesh with {} nodes, {} on interfaces, not {} and {}",

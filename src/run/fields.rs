@@ -83,6 +83,13 @@ impl FieldWriter {
                 Array { name: "damage", components: 1, values: Values::F64(&damage) },
                 Array { name: "state", components: 1, values: Values::I32(&branch) },
             ];
+            let slip = case.interfaces[index]
+                .has_friction()
+                .then(|| side.nodes.iter().map(|n| values.slip(model, *n)).collect::<Vec<f64>>());
+            data.extend(slip.iter().map(|slip| {
+                let values = Values::F64(slip);
+                Array { name: "slip", components: 1, values }
+            }));
             let film = case.interfaces[index].film.as_ref();
             let pressure = film.map(|_| film_pressure(model, &side.nodes));
             data.extend(pressure.iter().map(|pressure| {

@@ -52,6 +52,9 @@ pub fn row(
     if case.has_pressure() {
         row.push(Some(energy.fluid));
     }
+    if case.has_friction() {
+        row.push(Some(energy.friction));
+    }
     if let Some(flow) = flow {
         let FluidBalance { inflow, outflow, stored } = flow.balance;
         row.extend([inflow, outflow, stored].map(Some));
@@ -214,7 +217,8 @@ fn nodal_statistics(case: &Case, model: &Model<'_>) -> Vec<Vec<Statistic>> {
     let mut all: Vec<Vec<Statistic>> =
         quantities.iter().map(|own| vec![Statistic::NONE; own.len()]).collect();
     let state = &problem.interfaces;
-    for (rows, response) in problem.all.secondary.iter().zip(&state.response) {
+    for (index, response) in state.response.iter().enumerate() {
+        let rows = &problem.all.secondary[index];
         let is_of_file = case.mesh.file().is_some();
         let of_component = |values: [f64; 3], c: usize| {
             if is_of_file {
@@ -231,6 +235,9 @@ fn nodal_statistics(case: &Case, model: &Model<'_>) -> Vec<Vec<Statistic>> {
                     let law = state.laws[rows.interface].spec.law();
                     (law.damage(response.history), rows.law_weight(case.dim))
                 }),
+                InterfaceQuantity::Slip => rows
+                    .has_multiplier()
+                    .then(|| (state.sliding[index].path, rows.law_weight(case.dim))),
                 // Films have lists of their own.
                 InterfaceQuantity::Pressure => None,
             };

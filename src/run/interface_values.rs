@@ -173,6 +173,14 @@ impl NodalValues {
         index.and_then(|i| problem.interfaces.gaps.get(i as usize).copied()).unwrap_or(0.0)
     }
 
+    /// How far an owned node has slid in contact (m), 0 where there is no multiplier. Local.
+    pub fn slip(&self, model: &Model<'_>, node: u32) -> f64 {
+        let problem = &model.stepper.problem;
+        let index = problem.all.secondary_of[node as usize];
+        let of = |i: u32| problem.interfaces.sliding.get(i as usize).map(|sliding| sliding.path);
+        index.and_then(of).unwrap_or(0.0)
+    }
+
     /// The normal of the interface at an owned node by component, from the lower to the upper side.
     /// Local.
     pub fn normal(&self, model: &Model<'_>, node: u32) -> [f64; 3] {

@@ -11,7 +11,7 @@ use crate::output::series;
 use crate::solve::{MOST_COUNTED, StepState};
 
 /// Layout of the file; another one is refused.
-pub const FORMAT: u32 = 2;
+pub const FORMAT: u32 = 3;
 
 /// The case of a checkpoint is read up to this length (bytes): a case file of the largest size with
 /// every default written out is shorter.

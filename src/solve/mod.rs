@@ -17,5 +17,5 @@ pub use model::{check_fit, divides, family, strength_factors};
 pub use problem::{Energy, KnownPressure, Problem, reactions};
 pub use setup::{Model, build};
 pub use stability::{Instability, Stability};
-pub use state::State;
+pub use state::{INTERFACE_WIDTH, State};
 pub use stepping::{Accepted, Bifurcation, MOST_COUNTED, StepState, Stepper};

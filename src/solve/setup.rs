@@ -280,6 +280,9 @@ fn system(
     let (own, other) = pattern.counts(all.nodes.first);
     let rows = own.len() * dim;
     let mut matrix = Matrix::new(petsc, rows, dim, &own, &other)?;
+    if case.has_friction() {
+        matrix.declare_unsymmetric()?;
+    }
     if choice.preset == "gamg" {
         set_motions(runtime, case.axes, all, &mut matrix)?;
     }

@@ -4,10 +4,14 @@ use std::rc::Rc;
 
 use super::flow::coupled::Coupling;
 use super::flow::{NextStep, Pace};
+use super::model::sliding::Sliding;
 use super::problem::energy::Energy;
 use super::stepping::{Accepted, FluidState, StepState, Stepper};
 use crate::comm::Rows;
 use crate::error::{Error, Result};
+
+/// Numbers of a row of [`State::interface`].
+pub const INTERFACE_WIDTH: usize = 6;
 
 /// A state with its fields, this rank's own rows.
 pub struct State {
@@ -18,7 +22,8 @@ pub struct State {
     /// By node: displacement (m), then the force of supports and loads (N), by component; with flow
     /// the pore pressure (Pa) and its rate in the last step (Pa/s), 0 where there is none.
     pub nodal: Rows,
-    /// By secondary node: history (m), then energy dissipated per area (J/m2).
+    /// By secondary node: history (m), energy dissipated per area (J/m2), sliding by tangential
+    /// component (m), its path (m), and the work of friction (J).
     pub interface: Rows,
 }
 
@@ -40,7 +45,13 @@ impl State {
             ("rate of the pressure", 1),
         ];
         find(&self.nodal, &nodal).or_else(|| {
-            find(&self.interface, &[("largest jump of the history", 1), ("dissipated energy", 1)])
+            let interface = [
+                ("largest jump of the history", 1),
+                ("dissipated energy", 1),
+                ("sliding", 3),
+                ("work of friction", 1),
+            ];
+            find(&self.interface, &interface)
         })
     }
 }
@@ -109,17 +120,20 @@ impl Stepper<'_> {
     fn interface_rows(&self) -> Rows {
         let (all, interfaces) = (&self.problem.all, &self.problem.interfaces);
         let owned = &all.secondary[..all.owned_secondary()];
-        let mut rows: Vec<(u64, [f64; 2])> = owned
+        let mut rows: Vec<(u64, [f64; INTERFACE_WIDTH])> = owned
             .iter()
             .enumerate()
             .map(|(index, rows)| {
-                let history = [interfaces.committed[index], interfaces.dissipated[index]];
+                let Sliding { at: [first, second], path, energy, .. } = interfaces.sliding[index];
+                let (largest, dissipated) =
+                    (interfaces.committed[index], interfaces.dissipated[index]);
+                let history = [largest, dissipated, first, second, path, energy];
                 (all.nodes.names[rows.node as usize], history)
             })
             .collect();
         rows.sort_unstable_by_key(|row| row.0);
         Rows {
-            width: 2,
+            width: INTERFACE_WIDTH,
             names: rows.iter().map(|row| row.0).collect(),
             values: rows.iter().flat_map(|row| row.1).collect(),
         }
@@ -128,12 +142,12 @@ impl Stepper<'_> {
     /// What of the last accepted state is not a field. Local.
     fn step_state(&self) -> StepState {
         let problem = &self.problem;
-        let Energy { elastic, dissipated, external, .. } = self.energy;
+        let Energy { elastic, dissipated, external, friction, .. } = self.energy;
         let Accepted { newton_iterations, linear_iterations, steps, .. } = self.since_instant;
         StepState {
             time: self.time,
             step: self.step.is_finite().then_some(self.step),
-            energy: [elastic, dissipated, external],
+            energy: [elastic, dissipated, external, friction],
             fluid: self.fluid_state(),
             has_begun: self.has_begun,
             ramp: self.grows_until(),
@@ -188,6 +202,13 @@ impl Stepper<'_> {
         let rows = comm.agree(rows.ok_or_else(absent))?;
         problem.interfaces.committed = rows.iter().map(|row| row[0]).collect();
         problem.interfaces.dissipated = rows.iter().map(|row| row[1]).collect();
+        let sliding = |row: &Vec<f64>| Sliding {
+            at: [row[2], row[3]],
+            path: row[4],
+            energy: row[5],
+            ..Sliding::default()
+        };
+        problem.interfaces.sliding = rows.iter().map(sliding).collect();
         problem.convergence.resume(step.scales);
         problem.residual_norm = step.residual_norm;
         if let (Some(path), Some(factor)) = (&mut problem.path, step.load_factor) {
@@ -199,8 +220,8 @@ impl Stepper<'_> {
         let acts = step.time > self.case.start || step.has_begun && self.starts_in_equilibrium();
         self.resume_flow(nodal, step.fluid, acts)?;
         self.resume_load(step.time, step.fluid.work)?;
-        let [elastic, dissipated, external] = step.energy;
-        self.energy = Energy { elastic, dissipated, external, fluid: step.fluid.work };
+        let [elastic, dissipated, external, friction] = step.energy;
+        self.energy = Energy { elastic, dissipated, external, friction, fluid: step.fluid.work };
         self.work.total = external;
         self.time = step.time;
         self.step = step.step.unwrap_or(f64::INFINITY);

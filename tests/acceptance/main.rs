@@ -19,6 +19,7 @@ mod first_correction;
 mod flow;
 mod flow_orders;
 mod fluid;
+mod friction;
 #[path = "../common/faults.rs"]
 #[allow(dead_code)] // as above
 mod faults;

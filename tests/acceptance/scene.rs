@@ -369,6 +369,7 @@ impl Kind {
             ("mass", Self::Mass),
             ("jump", Self::Length),
             ("sliding", Self::Length),
+            ("slip", Self::Length),
             ("displacement", Self::Length),
             ("damage", Self::Damage),
             ("reaction", Self::Reaction),

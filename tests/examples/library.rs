@@ -184,7 +184,7 @@ fn refusals_are_told(runtime: &Runtime, place: &Path) -> Result<()> {
         assert_eq!(told(Run::of(&differs)), "the case is not the same on all ranks");
     }
     let mut loose = block();
-    loose.interfaces[0].law = Contact {}.into();
+    loose.interfaces[0].law = Contact::default().into();
     loose.boundary.truncate(1);
     let told = Case::build(loose).expect_err("a body that floats").to_string();
     assert!(told.starts_with("boundary leaves a body free"), "{told}");

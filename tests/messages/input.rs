@@ -17,7 +17,8 @@ const WRONG: &[Wrong] = &[
         from: "young_modulus",
         to: "young_modulos",
         says: "case.yaml:3:30: materials.rock.elastic.young_modulos is not a known key; did you \
-               mean `young_modulus`? (known: poisson_ratio, thermal_expansion, young_modulus)",
+               mean `young_modulus`? (known: density, poisson_ratio, thermal_expansion, \
+             young_modulus)",
     },
     Wrong {
         from: "5.8e9",

@@ -78,6 +78,7 @@ fn medium() -> PorousMedium {
         groups: Vec::new(),
         young_modulus: 1.0,
         poisson_ratio: NU,
+        density: None,
         porous: None,
     };
     let porous = Porous {

@@ -299,7 +299,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Gravity acts on the density of the saturated medium.
+    /// Gravity acts on the density of the materials.
     fn gravity(&mut self, file: &CaseFile, materials: &[Material]) {
         let Some(gravity) = &file.gravity else { return };
         if gravity.len() != self.dim && self.knows_dimension && self.sound(&["mesh"]) {
@@ -310,9 +310,9 @@ impl Checker<'_> {
             self.left_out.push("Gravity is left out: it is 0.".to_owned());
             return;
         }
-        for material in materials.iter().filter(|material| material.porous.is_none()) {
-            let reason = "is missing: gravity acts on the density that stands there";
-            self.add(&format!("materials.{}.porous", material.name), reason);
+        for material in materials.iter().filter(|material| material.density.is_none()) {
+            let reason = "is missing: gravity acts on it (of a saturated medium on porous.density)";
+            self.add(&format!("materials.{}.elastic.density", material.name), reason);
         }
     }
 }

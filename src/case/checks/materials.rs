@@ -23,6 +23,7 @@ impl Checker<'_> {
                 groups: self.groups(name, section, is_only),
                 young_modulus: section.elastic.young_modulus,
                 poisson_ratio: section.elastic.poisson_ratio,
+                density: section.porous.as_ref().map(|p| p.density).or(section.elastic.density),
                 porous: section.porous.clone(),
             })
             .collect();
@@ -60,6 +61,10 @@ impl Checker<'_> {
             }
         }
         let Some(porous) = &section.porous else { return };
+        if section.elastic.density.is_some() {
+            let reason = "is for dry materials; that of the saturated medium stands in porous";
+            self.add(&format!("{path}.elastic.density"), reason);
+        }
         if porous.biot < porous.porosity {
             let reason =
                 format!("must be at least the porosity {}, got {}", porous.porosity, porous.biot);

@@ -86,6 +86,7 @@ impl Checker<'_> {
             self.boxes(&mesh, &materials, &interfaces, flow.is_some());
             self.held(&mesh, &interfaces, &boundary);
         }
+        self.beside_friction(&file, &interfaces, flow.is_some());
         write_out(&mut file, path, physics);
         let gravity = self.by_axis(file.gravity.as_deref().unwrap_or_default());
         let (checkpoint, wall) = self.limits(&file);

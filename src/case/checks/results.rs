@@ -23,6 +23,8 @@ pub enum InterfaceQuantity {
     Jump(usize),
     /// The damage.
     Damage,
+    /// How far it has slid in contact.
+    Slip,
     /// The pressure of a film.
     Pressure,
 }
@@ -36,9 +38,10 @@ impl Case {
     /// What of an interface has a smallest, a largest and a mean value, in the order of the
     /// columns: of traction and jump the normal component first, then those along x and y.
     pub fn interface_quantities(&self, interface: &InterfaceSpec) -> Vec<InterfaceQuantity> {
-        use InterfaceQuantity::{Damage, Jump, Pressure, Traction};
+        use InterfaceQuantity::{Damage, Jump, Pressure, Slip, Traction};
         let components = || std::iter::once(self.dim - 1).chain(0..self.dim - 1);
         let of_joint = components().map(Traction).chain(components().map(Jump)).chain([Damage]);
+        let of_joint = of_joint.chain(interface.has_friction().then_some(Slip));
         of_joint.chain(interface.film.is_some().then_some(Pressure)).collect()
     }
 
@@ -53,6 +56,7 @@ impl Case {
             InterfaceQuantity::Jump(c) if c == normal => "normal_jump".to_owned(),
             InterfaceQuantity::Jump(c) => format!("sliding_{}", tangent(c)),
             InterfaceQuantity::Damage => "damage".to_owned(),
+            InterfaceQuantity::Slip => "slip".to_owned(),
             InterfaceQuantity::Pressure => "pressure".to_owned(),
         }
     }
@@ -126,6 +130,9 @@ impl Case {
         }
         if self.has_pressure() {
             columns.push("energy.fluid".to_owned());
+        }
+        if self.has_friction() {
+            columns.push("energy.friction".to_owned());
         }
         if self.flow.is_some() {
             columns.extend(["mass.in", "mass.out", "mass.stored"].map(str::to_owned));

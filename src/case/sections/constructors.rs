@@ -59,7 +59,7 @@ macro_rules! setters {
 setters! { CaseFile:
     title = impl Into<String> => Some(title.into()), "With a title.";
     gravity = impl Into<Vec<f64>> => Some(gravity.into()),
-        "With gravity in m/s2, by component; acts on `density` of the porous data.";
+        "With gravity in m/s2, by component; acts on `density` of the materials.";
     body_force = Components => body_force, "With a body force in N/m3.";
     initial = InitialSection => Some(initial), "With a state at the start.";
     physics = Physics => physics, "With what is computed.";
@@ -164,7 +164,8 @@ setters! { BodySection:
 impl MaterialSection {
     /// An elastic material that fills the mesh: Young's modulus in Pa, Poisson's ratio.
     pub fn elastic(young_modulus: f64, poisson_ratio: f64) -> Self {
-        let elastic = ElasticSection { young_modulus, poisson_ratio, thermal_expansion: None };
+        let elastic =
+            ElasticSection { young_modulus, poisson_ratio, density: None, thermal_expansion: None };
         Self { z: None, on: None, elastic, porous: None }
     }
 }

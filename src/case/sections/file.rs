@@ -29,7 +29,7 @@ pub struct CaseFile {
     #[serde(default)]
     #[schemars(length(max = 100))]
     pub boundary: Vec<BoundarySection>,
-    /// Gravity in m/s2, by component; acts on `density` of the porous data.
+    /// Gravity in m/s2, by component; acts on `density` of the materials.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gravity: Option<Vec<f64>>,
     /// Body force in N/m3.
@@ -169,6 +169,10 @@ pub struct ElasticSection {
     /// Poisson's ratio.
     #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 0.5))]
     pub poisson_ratio: f64,
+    /// Density in kg/m3, on which gravity acts; of porous materials it stands in their own data.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0))]
+    pub density: Option<f64>,
     /// Thermal expansion in 1/K (other than 0: refused).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub thermal_expansion: Option<f64>,
@@ -254,8 +258,9 @@ impl Components {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TimeSection {
-    /// Times in s, rising.
-    #[schemars(length(min = 1, max = 10_000))]
+    /// Times in s, rising; ranges stand for theirs.
+    #[serde(deserialize_with = "super::instants::read")]
+    #[schemars(with = "super::instants::InstantsSection")]
     pub instants: Vec<f64>,
     /// The time in s of the state at the start.
     #[serde(default)]

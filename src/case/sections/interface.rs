@@ -44,6 +44,11 @@ pub enum Location {
 }
 
 impl InterfaceSpec {
+    /// Whether its lips slide with friction.
+    pub fn has_friction(&self) -> bool {
+        !self.law.law().friction().is_none()
+    }
+
     /// Its height in m, where it crosses a column.
     pub fn height(&self) -> Option<f64> {
         match self.location {

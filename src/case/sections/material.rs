@@ -16,6 +16,8 @@ pub struct Material {
     pub young_modulus: f64,
     /// Poisson's ratio, in (-1, 0.5).
     pub poisson_ratio: f64,
+    /// Density in kg/m3, of a porous medium saturated; none where it is not given.
+    pub density: Option<f64>,
     /// Data of the saturated porous medium.
     pub porous: Option<Porous>,
 }

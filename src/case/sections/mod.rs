@@ -38,6 +38,7 @@
 
 mod boundary;
 mod constructors;
+mod instants;
 pub(crate) mod file;
 mod interface;
 mod material;

@@ -180,7 +180,7 @@ fn paths_and_laws_can_be_built() {
             "interfaces.0.law={benzeggagh_kenane: {strength: 1.0e6, shear_strength: 2.0e6, \
              fracture_energy: 900, shear_fracture_energy: 1800, exponent: 2}}",
         ),
-        (Contact {}.into(), None, "interfaces.0.law={contact: {}}"),
+        (Contact::default().into(), None, "interfaces.0.law={contact: {}}"),
         (
             ExponentialSoftening::new(1.0e6, 900.0).into(),
             Some(ControlSection::dissipation("joint", 0.1)),

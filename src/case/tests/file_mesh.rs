@@ -106,7 +106,9 @@ fn a_case_with_a_mesh_file_can_be_built() {
     )
     .material("concrete", stiff(2.0e10, 0.2).on("dam"))
     .material("rock", stiff(4.0e10, 0.25).on(["base", "flank"]))
-    .interface(InterfaceSection::on("joint", "cut", Contact {}).flip(true).secondary(Side::Lower))
+    .interface(
+        InterfaceSection::on("joint", "cut", Contact::default()).flip(true).secondary(Side::Lower),
+    )
     .interface(InterfaceSection::between("bed", ["rock_top", "dam_bottom"], Tied {}))
     .boundary(BoundarySection::on("foot").displacement(Components::xy(0.0, 0.0)))
     .boundary(

@@ -103,7 +103,10 @@ fn mistakes_of_flow_are_told() {
             "needs a pore pressure that is computed",
         ),
         (vec!["physics=hydro_mechanics"], "hydro_mechanics needs a material with porous data"),
-        (vec!["gravity=[0, 0, -9.81]"], "gravity acts on the density that stands there"),
+        (
+            vec!["gravity=[0, 0, -9.81]"],
+            "materials.rock.elastic.density is missing: gravity acts on it",
+        ),
         (
             vec![POROUS, "physics=mechanics", "boundary.2={on: top, pressure: 3}"],
             "needs physics: hydro_mechanics or auto",

@@ -27,7 +27,8 @@ fn a_mistake_in_the_file_is_told_with_its_place_and_reason() {
             "young_modulus",
             "young_modulos",
             "5:15: materials.rock.elastic.young_modulos is not a known key; did you mean \
-             `young_modulus`? (known: poisson_ratio, thermal_expansion, young_modulus)",
+             `young_modulus`? (known: density, poisson_ratio, thermal_expansion, \
+             young_modulus)",
         ),
         (
             "5.8e9",

@@ -99,7 +99,9 @@ fn words_that_became_true_or_false_are_told() {
         (
             "{on: top",
             "{true: top",
-            format!("12:6: boundary.1.true is not a known key: tools for YAML 1.1 write the key on {so} 'on':"),
+            format!(
+                "12:6: boundary.1.true is not a known key: tools for YAML 1.1 write the key on {so} 'on':"
+            ),
         ),
         (
             "{x: 0, y: 0, z: 0}",
@@ -119,8 +121,8 @@ fn words_that_became_true_or_false_are_told() {
         ),
         (
             "linear_softening: {strength: 1.1e6, fracture_energy: 900}",
-            "contact: {friction: 0.6}",
-            "9:21: interfaces.0.law.contact.friction is not a known key; interfaces.0.law.contact has \
+            "tied: {friction: 0.6}",
+            "9:18: interfaces.0.law.tied.friction is not a known key; interfaces.0.law.tied has \
              none, write {}"
                 .to_owned(),
         ),

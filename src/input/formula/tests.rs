@@ -25,6 +25,26 @@ fn precedence_and_associativity_are_those_of_mathematics() {
 }
 
 #[test]
+fn comparisons_and_steps_are_one_or_zero() {
+    for (text, expected) in [
+        ("x < y", 1.0),
+        ("x > y", 0.0),
+        ("x <= 2", 1.0),
+        ("x ≥ 2.5", 0.0),
+        ("x + 1 >= y", 1.0),
+        ("(x < 3)*(y < 3)", 0.0),
+        ("max(x > 1, y)", 3.0),
+        ("step(t - 7)", 1.0),
+        ("5*step(t - 7.5) - step(0)", -1.0),
+    ] {
+        assert_eq!(value(text), expected, "{text}");
+    }
+    assert!(value("(0/0) < 1").is_nan() && value("step(0/0)").is_nan());
+    let complaint = Formula::parse("1 < 2 < 3").expect_err("two comparisons");
+    assert_eq!(complaint, "expected an operator before `<` at column 7 of the formula");
+}
+
+#[test]
 fn variables_numbers_and_functions_are_evaluated() {
     for (text, expected) in [
         ("x+10*y+100*z+1000*t", 7532.0),
@@ -65,8 +85,8 @@ fn mistakes_are_told_with_their_column() {
         ("max(1)", "`max` takes two or more argument(s) at column 6 of the formula"),
         (
             "1 + foo",
-            "unknown name `foo` (known: x, y, z, t, pi, sqrt, exp, ln, sin, cos, abs, min, \
-             max) at column 5 of the formula",
+            "unknown name `foo` (known: x, y, z, t, pi, sqrt, exp, ln, sin, cos, abs, \
+             step, min, max) at column 5 of the formula",
         ),
         ("2*#", "expected a number, a variable or `(` but found `#` at column 3 of the formula"),
     ] {

@@ -55,8 +55,8 @@ pub trait NonlinearSystem {
     /// solve.
     fn tangent(&mut self, x: &[f64], matrix: &mut Matrix) -> Result<TangentChange>;
 
-    /// Whether the tangent that was written last may be indefinite, and
-    /// [`NonlinearSystem::stiffen`] makes a copy of it positive definite.
+    /// Whether the tangent that was written last may be indefinite or unsymmetric, and
+    /// [`NonlinearSystem::stiffen`] makes a copy of it symmetric and positive definite.
     fn softens(&mut self) -> bool {
         false
     }

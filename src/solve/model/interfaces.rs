@@ -1,10 +1,12 @@
 //! The state of the secondary nodes: tractions, jumps, branches and history.
 
 use super::gaps::NodeData;
+pub use super::node_law::{JointLaw, NodeLaw};
+use super::sliding::{Reached, Sliding};
 use crate::assembly::{Discretization, NodeState};
 use crate::comm::Comm;
 use crate::interface::{JumpRow, JumpRows};
-use crate::law::{Branch, InterfaceLaw, LawSpec, Local, Response};
+use crate::law::{Branch, Past, Response};
 
 /// What the law of one secondary node answers, by displacement component.
 #[derive(Debug, Clone, Copy)]
@@ -29,78 +31,6 @@ pub struct NodeResponse {
     pub history: f64,
 }
 
-/// One interface's law with its augmentation.
-pub struct JointLaw {
-    /// The law.
-    pub spec: LawSpec,
-    /// Augmentation r (Pa/m).
-    pub augmentation: f64,
-}
-
-/// The law at a node: strength, fracture energy and augmentation are those of its interface times
-/// the factor of its imperfection, and the critical jump is the same. With the factor f, its
-/// traction at a jump w is f t(w), so that the traction p = t + f r w is f times that of the
-/// interface's law.
-#[derive(Clone, Copy)]
-pub struct NodeLaw<'a> {
-    law: &'a dyn InterfaceLaw,
-    /// r of the interface (Pa/m).
-    interface_augmentation: f64,
-    factor: f64,
-}
-
-impl NodeLaw<'_> {
-    /// Augmentation r (Pa/m).
-    pub fn augmentation(&self) -> f64 {
-        self.factor * self.interface_augmentation
-    }
-
-    /// As [`InterfaceLaw::respond`], `p` with the augmentation of the node and that of the
-    /// `damping` (Pa/m), which adds to the tangent.
-    pub(in crate::solve) fn respond(
-        &self,
-        p: Local,
-        damping: f64,
-        history: f64,
-        dim: usize,
-    ) -> Response {
-        let f = self.factor;
-        let augmentation = self.interface_augmentation + damping / f;
-        let answer = self.law.respond(p.map(|p| p / f), augmentation, history, dim);
-        let mut tangent = answer.tangent.map(|row| row.map(|c| f * c));
-        for i in (0..dim).filter(|i| !answer.stuck[*i]) {
-            tangent[i][i] += damping;
-        }
-        Response {
-            traction: answer.traction.map(|t| f * t),
-            compliance: answer.compliance.map(|row| row.map(|a| a / f)),
-            tangent,
-            ..answer
-        }
-    }
-
-    /// As [`InterfaceLaw::strength`].
-    pub fn strength(&self) -> Option<f64> {
-        self.law.strength().map(|strength| self.factor * strength)
-    }
-
-    /// As [`InterfaceLaw::dissipated`].
-    pub fn dissipated(&self, history: f64) -> f64 {
-        self.factor * self.law.dissipated(history)
-    }
-
-    /// As [`InterfaceLaw::dissipated_after`], from what was dissipated before and the history then.
-    pub fn dissipated_after(&self, before: f64, from: f64, to: f64, jump: Local) -> f64 {
-        let f = self.factor;
-        f * self.law.dissipated_after(before / f, from, to, jump)
-    }
-
-    /// As [`InterfaceLaw::recoverable`].
-    pub fn recoverable(&self, jump: Local, history: f64) -> f64 {
-        self.factor * self.law.recoverable(jump, history)
-    }
-}
-
 /// Tractions that hold jumps back: `stiffness` times what a jump is beyond the one of an earlier
 /// state.
 pub struct Damping {
@@ -115,6 +45,7 @@ pub(in crate::solve) struct History {
     largest: Vec<f64>,
     dissipated: Vec<f64>,
     accepted: Vec<[f64; 3]>,
+    sliding: Vec<Sliding>,
 }
 
 /// State of the secondary nodes that this rank owns, in the order of `Discretization::secondary`.
@@ -128,8 +59,10 @@ pub struct InterfaceState {
     pub gaps: Vec<f64>,
     /// Largest equivalent jump at the last accepted state (m).
     pub committed: Vec<f64>,
-    /// Energy per area dissipated up to the last accepted state (J/m2).
+    /// Energy per area dissipated up to the last accepted state (J/m2), without friction.
     pub dissipated: Vec<f64>,
+    /// Sliding and friction at the last accepted state.
+    pub sliding: Vec<Sliding>,
     /// Augmented traction at the last accepted state, by displacement component (Pa).
     pub accepted: Vec<[f64; 3]>,
     /// That from which laws answer linearly in the running step: the accepted one, or where the
@@ -170,6 +103,7 @@ impl InterfaceState {
             gaps,
             committed: vec![0.0; owned],
             dissipated: vec![0.0; owned],
+            sliding: vec![Sliding::default(); owned],
             accepted: Vec::new(),
             base: Vec::new(),
             response: vec![rest; owned],
@@ -188,8 +122,12 @@ impl InterfaceState {
     /// The law at the secondary node of an index, which `rows` belong to. Local.
     pub fn law_at(&self, index: usize, rows: &JumpRows<u32>) -> NodeLaw<'_> {
         let JointLaw { spec, augmentation } = &self.laws[rows.interface];
-        let factor = self.factors[index];
-        NodeLaw { law: spec.law(), interface_augmentation: *augmentation, factor }
+        NodeLaw::new(spec.law(), *augmentation, self.factors[index])
+    }
+
+    /// What a node keeps from accepted states. Local.
+    pub(in crate::solve) fn past(&self, index: usize) -> Past {
+        Past { history: self.committed[index], sliding: self.sliding[index].at }
     }
 
     /// Evaluates the laws at the displacements `u`, `dim` numbers per local node; `given` is the
@@ -224,10 +162,9 @@ impl InterfaceState {
             let p: [f64; 3] = std::array::from_fn(|c| {
                 self.overstress * (traction[c] + augmentation * jump[c]) + damping * from[c]
             });
-            let respond = |part: f64| {
-                let p = to_local(p.map(|p| part * p), dim);
-                law.respond(p, damping, self.committed[index], dim)
-            };
+            let past = self.past(index);
+            let respond =
+                |part: f64| law.respond(to_local(p.map(|p| part * p), dim), damping, past, dim);
             let (mut part, mut answer) = (1.0, respond(1.0));
             if self.is_gradual && holds(self.response[index].branch) {
                 while is_broken(answer.branch) && part > LEAST_PART {
@@ -235,7 +172,12 @@ impl InterfaceState {
                     answer = respond(part);
                 }
             }
-            let shift = p.map(|p| (part - 1.0) * p);
+            let mut shift = p.map(|p| (part - 1.0) * p);
+            if self.turns_round(index, &answer) {
+                let at_rest = law.at_rest(p[dim - 1], damping, past);
+                answer = law.respond(at_rest, damping, past, dim);
+                (0..dim).for_each(|c| shift[c] = at_rest[local_index(c, dim)] - p[c]);
+            }
             let asked = Asked { traction, jump, shift };
             self.response[index] = combine(rows, &asked, &answer, augmentation, dim);
         }
@@ -252,7 +194,7 @@ impl InterfaceState {
             let (rows, here) = (&all.secondary[index], self.augmented(all, index));
             let law = self.law_at(index, rows);
             let p = self.base[index].map(|p| self.overstress * p);
-            let answer = law.respond(to_local(p, self.dim), 0.0, self.committed[index], self.dim);
+            let answer = law.respond(to_local(p, self.dim), 0.0, self.past(index), self.dim);
             let shift = std::array::from_fn(|c| p[c] - here[c]);
             let NodeResponse { bulk_traction: traction, jump, .. } = self.response[index];
             let asked = Asked { traction, jump, shift };
@@ -287,13 +229,37 @@ impl InterfaceState {
     pub(in crate::solve) fn take_tractions(&mut self, all: &Discretization) {
         for index in 0..self.response.len() {
             self.accepted[index] = self.augmented(all, index);
+            let law = self.law_at(index, &all.secondary[index]);
+            self.sliding[index].traction = self.reached(index).friction(law);
         }
+    }
+
+    /// What the state that was evaluated last has at a node, with the accepted history. Local.
+    fn reached(&self, index: usize) -> Reached {
+        let (response, history) = (&self.response[index], self.committed[index]);
+        let tangent = |c: usize| c + 1 < self.dim;
+        let of = |at: &dyn Fn(usize) -> f64| [0, 1].map(|c| if tangent(c) { at(c) } else { 0.0 });
+        Reached {
+            is_closed: response.branch.is_closed(),
+            history,
+            sliding: of(&|c| response.jump[c] - response.defect[c]),
+            shear: of(&|c| response.bulk_traction[c]),
+        }
+    }
+
+    /// Whether a point that slid in the state that was evaluated last slides the other way by this
+    /// answer. It is then held: Newton's method would go to and fro between both ways. Local.
+    fn turns_round(&self, index: usize, answer: &Response) -> bool {
+        let before = &self.response[index].state.friction;
+        let along = |c: usize| before[c] * answer.friction[local_index(c, self.dim)];
+        (0..self.dim - 1).map(along).sum::<f64>() < 0.0
     }
 
     /// What is kept from accepted states. Local.
     pub(in crate::solve) fn history(&self) -> History {
         let (largest, dissipated) = (self.committed.clone(), self.dissipated.clone());
-        History { largest, dissipated, accepted: self.accepted.clone() }
+        let (accepted, sliding) = (self.accepted.clone(), self.sliding.clone());
+        History { largest, dissipated, accepted, sliding }
     }
 
     /// Goes back to what was kept from an earlier state. Local.
@@ -301,6 +267,7 @@ impl InterfaceState {
         self.committed = history.largest;
         self.dissipated = history.dissipated;
         self.accepted = history.accepted;
+        self.sliding = history.sliding;
     }
 
     /// Makes the last evaluated state the accepted one.
@@ -311,6 +278,9 @@ impl InterfaceState {
             let (law, jump) = (self.law_at(index, &all.secondary[index]), to_local(jump, self.dim));
             self.dissipated[index] = law.dissipated_after(before, from, to, jump);
             self.committed[index] = to;
+            let (rows, mut sliding) = (&all.secondary[index], self.sliding[index]);
+            sliding.go_on(self.law_at(index, rows), rows, &self.reached(index));
+            self.sliding[index] = sliding;
         }
         self.take_tractions(all);
     }
@@ -348,13 +318,14 @@ fn combine(
 ) -> NodeResponse {
     let Asked { traction, jump, shift } = *asked;
     let (mut defect, mut law_traction) = ([0.0; 3], [0.0; 3]);
-    let mut state = NodeState { stuck: [false; 3], jump: [false; 3], tangent: [[0.0; 3]; 3] };
+    let mut state = NodeState { stuck: [false; 3], ..NodeState::STUCK };
     let mut compliance = [[0.0; 3]; 3];
     let active = |c: usize| c < dim && rows.rows[c].is_some();
     for c in (0..dim).filter(|c| active(*c)) {
         let local = local_index(c, dim);
         state.stuck[c] = answer.stuck[local];
         defect[c] = jump[c] - answer.jump[local];
+        state.friction[c] = if active(dim - 1) { answer.friction[local] } else { 0.0 };
         for d in (0..dim).filter(|d| active(*d)) {
             state.tangent[c][d] = answer.tangent[local][local_index(d, dim)];
             compliance[c][d] = answer.compliance[local][local_index(d, dim)];
@@ -368,7 +339,9 @@ fn combine(
                 .filter(|d| !state.stuck[*d])
                 .map(|d| state.tangent[c][d] * defect[d])
                 .sum();
-            law_traction[c] += shift[c] + change + augmentation * defect[c];
+            // The normal jump that is wrong changes the normal part of the augmented traction.
+            let normal = -state.friction[c] * (shift[dim - 1] + augmentation * defect[dim - 1]);
+            law_traction[c] += shift[c] + change + augmentation * defect[c] + normal;
         }
     }
     NodeResponse {

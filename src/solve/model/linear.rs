@@ -27,7 +27,7 @@ const MUMPS: &[(&str, &str)] = &[
     ("mat_mumps_icntl_13", "1"),
 ];
 
-/// LU for the saddle-point form, whose tangent is not symmetric.
+/// LU for a tangent that is not symmetric: of the saddle-point form, and with friction.
 const MUMPS_LU: &[(&str, &str)] = &[
     ("ksp_type", "preonly"),
     ("pc_type", "lu"),
@@ -114,6 +114,12 @@ impl LinearChoice {
     /// # Errors
     /// `Input` for multigrid on the mesh of a file without coarser ones.
     pub fn new(case: &Case, mesh: &MeshFacts) -> Result<Self> {
+        let choice = Self::symmetric(case, mesh)?;
+        Ok(if case.has_friction() { choice.for_friction() } else { choice })
+    }
+
+    /// As [`LinearChoice::new`], for a symmetric tangent but for that of the saddle-point form.
+    fn symmetric(case: &Case, mesh: &MeshFacts) -> Result<Self> {
         if case.solver.form == Form::SaddlePoint {
             let why = "form: saddle_point, whose tangent is not symmetric: LU".into();
             return Ok(Self { preset: "mumps", why, options: MUMPS_LU.to_vec() });
@@ -142,19 +148,44 @@ impl LinearChoice {
     pub fn without_levels(self, case: &Case, mesh: &MeshFacts) -> Self {
         if case.mesh.file().is_some() {
             let other = Self::for_file(mesh.dim, mesh.nodes as f64 * mesh.dim as f64);
+            let other = if case.has_friction() { other.for_friction() } else { other };
             return Self {
                 why: format!("no coarser mesh serves multigrid; {}", other.why),
                 ..other
             };
         }
         let why = format!("{}, but the mesh is too small for a coarser one", self.why);
-        Self::named("mumps", why)
+        let choice = Self::named("mumps", why);
+        if case.has_friction() { choice.for_friction() } else { choice }
+    }
+
+    /// The same with what suits a tangent that is not symmetric: LU in the place of L D L^T, GMRES
+    /// in that of conjugate gradients, with a preconditioner of the symmetric part.
+    fn for_friction(mut self) -> Self {
+        const WHY: &str = "; friction makes the tangent unsymmetric";
+        if !self.why.contains(WHY) {
+            self.why.push_str(WHY);
+        }
+        if self.preset == "mumps" {
+            self.options = MUMPS_LU.to_vec();
+            return self;
+        }
+        // A preconditioner of ours rounds to single precision.
+        let method = if self.preset == AGGREGATION { "fgmres" } else { "gmres" };
+        self.options.retain(|(name, _)| *name != "ksp_type");
+        self.options.push(("ksp_type", method));
+        self.options.push(("ksp_gmres_restart", "100"));
+        self
     }
 
     /// The options of elimination, for where iterations of a matrix with so many `unknowns` lead
     /// nowhere; none where it would take too much memory. Local.
-    pub fn elimination(unknowns: u64) -> Option<&'static [(&'static str, &'static str)]> {
-        (unknowns as f64 <= MOST_FOR_ELIMINATION).then_some(MUMPS)
+    pub fn elimination(
+        case: &Case,
+        unknowns: u64,
+    ) -> Option<&'static [(&'static str, &'static str)]> {
+        let options = if case.has_friction() { MUMPS_LU } else { MUMPS };
+        (unknowns as f64 <= MOST_FOR_ELIMINATION).then_some(options)
     }
 
     /// No solver: the states of the model come from elsewhere.

@@ -9,6 +9,8 @@ mod imperfection;
 pub(in crate::solve) mod interfaces;
 pub(in crate::solve) mod linear;
 pub mod memory;
+mod node_law;
+pub(in crate::solve) mod sliding;
 pub(in crate::solve) mod near_null_space;
 mod special;
 mod special_by_name;

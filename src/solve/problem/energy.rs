@@ -11,6 +11,8 @@ pub struct Energy {
     pub dissipated: f64,
     /// Work of supports and loads since the start, trapezoidal between accepted states.
     pub external: f64,
+    /// Taken by friction since the start, likewise.
+    pub friction: f64,
     /// Likewise of the fluid in the pores and in open interfaces on the skeleton.
     pub fluid: f64,
 }
@@ -126,11 +128,12 @@ impl Work {
             }
         }
         let [stored, dissipated] = held(problem, &problem.applied());
-        let mut sums = [stored, dissipated, work, of_fluid];
+        let friction = problem.interfaces.sliding.iter().map(|node| node.energy).sum();
+        let mut sums = [stored, dissipated, work, of_fluid, friction];
         problem.comm.sum(&mut sums);
         self.total += sums[2];
         self.of_fluid += sums[3];
         let (external, fluid) = (self.total, self.of_fluid);
-        Energy { elastic: sums[0], dissipated: sums[1], external, fluid }
+        Energy { elastic: sums[0], dissipated: sums[1], external, friction: sums[4], fluid }
     }
 }

@@ -68,7 +68,8 @@ impl NonlinearSystem for Problem<'_> {
 
     fn softens(&mut self) -> bool {
         let is_matrix = matches!(self.form, TangentForm::Assembled(_));
-        let some = self.assembled_state().iter().any(NodeState::softens);
+        let hard = |state: &NodeState| state.softens() || !state.is_symmetric();
+        let some = self.assembled_state().iter().any(hard);
         is_matrix && self.comm.any(some)
     }
 
@@ -172,6 +173,10 @@ impl NonlinearSystem for Problem<'_> {
         let free = condensed::free_components(&self.all, &self.interfaces);
         let uncoupled = free.iter().zip(rhs).zip(guess.iter_mut()).filter(|((free, _), _)| !**free);
         uncoupled.for_each(|((_, rhs), guess)| *guess = rhs / self.diagonal);
+        if self.is_unsymmetric() {
+            // There is no energy that a guess could minimise.
+            return Ok(());
+        }
         let (comm, all, state) = (self.comm, &self.all, &self.interfaces);
         let rigid = self.rigid.closest(comm, all, state, self.diagonal, &free, rhs);
         if let Some(rigid) = rigid {
@@ -219,6 +224,13 @@ impl Problem<'_> {
             TangentForm::Blocks(blocks) => blocks.copy(self.comm, petsc).map(Some),
             _ => Ok(None),
         }
+    }
+
+    /// Whether the laws at the state that was evaluated last make the tangent unsymmetric: where
+    /// lips slide with friction. Collective.
+    pub fn is_unsymmetric(&self) -> bool {
+        let mut state = self.interfaces.response.iter().map(|r| &r.state);
+        self.comm.any(state.any(|state| !state.is_symmetric()))
     }
 
     /// Elimination has taken over from the preconditioner of the tangent in blocks. Local.

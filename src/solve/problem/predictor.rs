@@ -113,14 +113,14 @@ impl InterfaceState {
         let rows = &all.secondary[index];
         let law = self.law_at(index, rows);
         let [from, to] = [self.base[index], self.augmented(all, index)];
-        let kappa = self.committed[index];
+        let past = self.past(index);
         let damage = |history: f64| self.damage_at(all, index, history);
         let answer = |part: f64| {
             let p = std::array::from_fn(|c| from[c] + part * (to[c] - from[c]));
-            law.respond(to_local(p, all.dim), 0.0, kappa, all.dim)
+            law.respond(to_local(p, all.dim), 0.0, past, all.dim)
         };
         let stuck = answer(0.0).stuck;
-        let least = damage(kappa) + ROUNDING;
+        let least = damage(past.history) + ROUNDING;
         let grows = part_of_way(|part| damage(answer(part).history) > least);
         let turns = part_of_way(|part| answer(part).stuck != stuck);
         // What held and softens is not stuck any more from the same place on.

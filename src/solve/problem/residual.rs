@@ -3,6 +3,7 @@
 use super::measure::Scales;
 use super::{Problem, TangentForm, condensed};
 use crate::assembly::CellSet;
+use crate::interface::JumpRows;
 use crate::timers::Phase;
 
 impl Problem<'_> {
@@ -71,15 +72,19 @@ impl Problem<'_> {
         self.known_jumps = known;
         let (all, response) = (&self.all, &self.interfaces.response);
         self.balance.fill(0.0);
+        let known = |rows: &JumpRows<u32>, c: usize| match &rows.rows[c] {
+            Some(row) => known_force[rows.own(c) as usize] / (row.weight * row.own),
+            None => 0.0,
+        };
         let traction = |index: usize, c: usize| {
             let (rows, response) = (&all.secondary[index], &response[index]);
-            match &rows.rows[c] {
-                Some(row) if response.state.stuck[c] => {
-                    let own = rows.node as usize * dim + c;
-                    response.law_traction[c] + known_force[own] / (row.weight * row.own)
-                }
-                _ => response.law_traction[c],
-            }
+            let friction = response.state.friction[c];
+            let known = match response.state.stuck[c] {
+                true => known(rows, c),
+                false if friction != 0.0 => friction * known(rows, dim - 1),
+                false => 0.0,
+            };
+            response.law_traction[c] + known
         };
         all.add_tractions(traction, &mut self.balance);
         for (i, value) in f.iter_mut().enumerate() {

@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 use crate::assembly::Discretization;
 use crate::case::Case;
 use crate::comm::Comm;
+use crate::law::Branch;
 use crate::mesh::MeshFacts;
 use crate::solve::model::interfaces::{InterfaceState, NodeResponse};
 
@@ -28,7 +29,8 @@ pub fn is_separated(
     response: &NodeResponse,
 ) -> bool {
     let law = interfaces.laws[interface].spec.law();
-    response.branch.is_separated() || law.damage(response.history) >= 1.0 - LEFT
+    response.branch.is_separated()
+        || response.branch != Branch::Held && law.damage(response.history) >= 1.0 - LEFT
 }
 
 /// The displacement of a point in a rigid motion: three translations, then three rotations about
@@ -101,13 +103,12 @@ fn together(case: &Case, mesh: &MeshFacts, motions: &[usize], motion: &[f64]) ->
     let part = of_body(most).iter().zip(motions);
     let part = part.max_by(|(a, _), (b, _)| a.abs().total_cmp(&b.abs()));
     let numbers: Vec<String> = moved.iter().map(|body| (body + 1).to_string()).collect();
-    format!(
-        "bodies {} can move freely together: body {} ({}) by a {}",
-        numbers.join(", "),
-        most + 1,
-        case.place_of_body(most),
-        part.map_or_else(String::new, |(_, number)| name(*number))
-    )
+    let by = part.map_or_else(String::new, |(_, number)| name(*number));
+    let first = format!("body {} ({})", most + 1, case.place_of_body(most));
+    if moved.len() == 1 {
+        return format!("{first} can move freely by a {by}");
+    }
+    format!("bodies {} can move freely together: {first} by a {by}", numbers.join(", "))
 }
 
 /// Whether a point of an interface holds a component of the displacement.

@@ -17,6 +17,9 @@ const WORTH: f64 = 64.0;
 /// Jumps that differ by less than this part of themselves are the same.
 const SAME_JUMP: f64 = 1e-6;
 
+/// Why a state is not tested.
+const UNTESTED: &str = "lips slide with friction, which makes the tangent unsymmetric";
+
 /// A state with its potential energy.
 pub(super) struct Reached {
     x: Vec<f64>,
@@ -40,11 +43,29 @@ impl Stepper<'_> {
         if !tested || !problem.comm.any(softening) {
             return Ok(None);
         }
+        if problem.is_unsymmetric() {
+            self.tell_untested(time);
+            return Ok(None);
+        }
         let x = self.x.read()?.to_vec();
         let mut tangent = self.snes.tangent_at(problem, &x)?;
         let (comm, all, state) = (problem.comm, &problem.all, &problem.interfaces);
         let found = stability::test(comm, all, state, &mut tangent, problem.stiffness())?;
         Ok((!found.is_stable()).then_some(Instability { time, found }))
+    }
+
+    /// Says once that states in which lips slide with friction are not tested: their tangent is not
+    /// symmetric, and a potential that eigenvalues would tell of does not exist.
+    fn tell_untested(&mut self, time: f64) {
+        if self.remarks.iter().any(|told| told.contains(UNTESTED)) {
+            return;
+        }
+        let words = format!(
+            "stability at time {time}: {UNTESTED}, so that its eigenvalues do not tell; whether this \
+             state and later ones like it are stable, or the only ones, is not known"
+        );
+        tracing::warn!("warning: {words}");
+        self.remarks.push(words);
     }
 
     /// A step to `target`, and the instability of the state that it leads to. With `follow` a step

@@ -10,6 +10,7 @@ mod growth;
 mod persist;
 mod ramp;
 mod rounding;
+mod sliding;
 mod start;
 mod step_size;
 mod step_state;

@@ -43,7 +43,7 @@ impl Stepper<'_> {
         let unsolved = self.problem.path.as_ref().is_some_and(|path| path.is_unsolved);
         let unknowns = self.problem.all.nodes.total * self.problem.all.dim as u64;
         if (unsolved || report.failing_linear.is_some())
-            && let Some(options) = LinearChoice::elimination(unknowns)
+            && let Some(options) = LinearChoice::elimination(self.case, unknowns)
             && let entries = self.problem.matrix_of_blocks(self.snes.petsc())?
             && self.snes.try_elimination(options, entries)?
         {

@@ -13,7 +13,7 @@ pub struct StepState {
     /// Length of the steps to begin with, where earlier ones had to be cut (s).
     pub step: Option<f64>,
     /// Energies: elastic, dissipated, external (J).
-    pub energy: [f64; 3],
+    pub energy: [f64; 4],
     /// What the fluid has done so far.
     #[serde(default)]
     pub fluid: FluidState,
@@ -153,7 +153,7 @@ mod tests {
             (StepState { residual_norm: -1.0, ..good() }, "its residual norm is -1"),
             (StepState { scales: [-2.0, 0.0], ..good() }, "its force is -2"),
             (StepState { scales: [0.0, f64::NAN], ..good() }, "its size is NaN"),
-            (StepState { energy: [0.0, f64::INFINITY, 0.0], ..good() }, "its state is inf"),
+            (StepState { energy: [0.0, f64::INFINITY, 0.0, 0.0], ..good() }, "its state is inf"),
             (StepState { fluid: [f64::NAN; 7].into(), ..good() }, "its state is NaN"),
             (
                 StepState { since_instant: [0, 1 << 54, 0], ..good() },

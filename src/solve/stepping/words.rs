@@ -7,7 +7,7 @@ use crate::petsc::SolveReport;
 use crate::solve::stability::held;
 
 /// Interfaces by their names, as the subject of a sentence.
-fn in_words(names: &[&str]) -> String {
+pub(super) fn in_words(names: &[&str]) -> String {
     match names {
         [name] => format!("interface {name}"),
         [first @ .., last] => format!("interfaces {} and {last}", first.join(", ")),
@@ -18,6 +18,9 @@ fn in_words(names: &[&str]) -> String {
 impl Stepper<'_> {
     /// What may lie behind a step that fails however small it is. Collective.
     pub(super) fn advice(&self) -> String {
+        if let Some(words) = self.sliding_bodies() {
+            return format!("\n{words}");
+        }
         let gave_way = self.problem.convergence.interfaces_that_gave_way(self.problem.comm);
         if let Some(Control { kind: ControlKind::Opening(_), interface }) = &self.case.control {
             return format!(
@@ -68,6 +71,9 @@ impl Stepper<'_> {
 
     /// That the interfaces that broke leave a body to itself, in words, if they do. Collective.
     pub(super) fn freed_bodies(&self, time: f64) -> Option<String> {
+        if let Some(words) = self.sliding_bodies() {
+            return Some(format!("at time {time} {words}"));
+        }
         let problem = &self.problem;
         let mut holds = vec![0.0; self.case.interfaces.len()];
         let mut nodes = vec![0.0; holds.len()];

@@ -1,0 +1,145 @@
+//! Friction: when blocks start to slide, and the same answer from every form, solver and rank.
+
+use crate::scene::{Kind, Run, Scene};
+
+const YOUNG: f64 = 1.0e9;
+const POISSON: f64 = 0.2;
+/// Angle of the plane, and the pressure across over that along the weight.
+const ANGLE: f64 = 30.0;
+const CONFINEMENT: f64 = 0.2;
+
+/// A block on a plane that leans by `ANGLE` against the largest pressure of an even stress, turned
+/// so that the plane lies level: loads on all sides but the lowest, which moves as the stress says.
+fn leaning(friction: f64) -> Scene {
+    let (sin, cos) = ANGLE.to_radians().sin_cos();
+    let k = CONFINEMENT;
+    let [xx, zz] = [sin * sin + k * cos * cos, cos * cos + k * sin * sin].map(|s| -1.0e6 * s);
+    let xz = 1.0e6 * (1.0 - k) * sin * cos;
+    // Plane strain.
+    let strain = (1.0 + POISSON) / YOUNG * (xx - POISSON * (xx + zz));
+    let yaml = format!(
+        "
+mesh: {{column: {{size: [1.0, 1.0], bodies: [{{cells: [4, 2]}}, {{cells: [3, 2]}}]}}}}
+materials: {{rock: {{elastic: {{young_modulus: {YOUNG}, poisson_ratio: {POISSON}}}}}}}
+interfaces: [{{name: plane, z: 0.5, law: {{contact: {{friction: {friction:.12}}}}}}}]
+boundary:
+  - {{on: bottom, displacement: {{x: {{formula: \"{strain:e}*x\"}}, z: 0}}}}
+  - {{on: top, traction: {{x: {xz:e}, z: {zz:e}}}}}
+  - {{on: left, traction: {{x: {:e}, z: {:e}}}}}
+  - {{on: right, traction: {{x: {xx:e}, z: {xz:e}}}}}
+time: {{instants: [1]}}
+",
+        -xx, -xz
+    );
+    Scene::new("leaning", &yaml)
+}
+
+/// The coefficient from which on the block stays.
+fn limit() -> f64 {
+    let tan = ANGLE.to_radians().tan();
+    (1.0 - CONFINEMENT) * tan / (1.0 + CONFINEMENT * tan * tan)
+}
+
+/// Ends with status 3 and names what slides.
+fn slides(scene: &Scene) {
+    let Err(failure) = scene.attempt(1) else { panic!("nothing slides") };
+    assert_eq!(failure.status, Some(3), "{}", failure.complaint);
+    for word in ["slides with friction over its whole area", "can move freely"] {
+        assert!(failure.complaint.contains(word), "{}", failure.complaint);
+    }
+}
+
+#[test]
+fn a_confined_block_starts_to_slide_at_the_coefficient_of_equilibrium() {
+    let run = leaning(limit() * (1.0 + 1e-6)).on(1);
+    run.assert_column("plane.slip", &[0.0], 0.0, 1e-15);
+    let ratio =
+        run.column("plane.shear_traction_x.mean")[0] / run.column("plane.normal_traction.mean")[0];
+    assert!((ratio + limit()).abs() < 1e-9, "{ratio} {}", limit());
+    slides(&leaning(limit() * (1.0 - 1e-6)));
+}
+
+#[test]
+fn a_block_on_an_inclined_plane_of_a_mesh_file_starts_to_slide_at_the_tangent_of_its_angle() {
+    let plane = Scene::shipped("friction/inclined_plane.yaml").set("expect=[]");
+    let limit = 35.0_f64.to_radians().tan();
+    let at = |part: f64| plane.set(&format!("interfaces.0.law.contact.friction={}", part * limit));
+    at(1.0 + 1e-6).on(1);
+    slides(&at(1.0 - 1e-6));
+}
+
+/// Pressed, then dragged about under a platen: nodes stick, slide, turn and lift. `law` is that of
+/// the joint, `cells` those of both bodies.
+fn dragged(law: &str, cells: &str) -> Scene {
+    let yaml = format!(
+        "
+mesh: {{column: {{size: [1.0, 0.8, 1.6], bodies: [{{cells: {cells}}}, {{cells: {cells}}}]}}}}
+materials: {{rock: {{elastic: {{young_modulus: {YOUNG}, poisson_ratio: {POISSON}}}}}}}
+interfaces: [{{name: joint, z: 0.8, law: {law}}}]
+boundary:
+  - {{on: bottom, displacement: {{x: 0, y: 0, z: 0}}}}
+  - on: top
+    displacement:
+      x: {{table: [[1, 0], [3, 4.0e-3], [5, -4.0e-3]]}}
+      y: {{table: [[2, 0], [4, 3.0e-3]]}}
+      z: {{table: [[0, 0], [1, -1.0e-3]]}}
+time: {{instants: [1, 2, 2.5, 3, 4, 5]}}
+solver: {{stability: \"off\"}}
+"
+    );
+    Scene::new("dragged", &yaml)
+}
+
+const CONTACT: &str = "{contact: {friction: 0.6}}";
+const COHESIVE: &str =
+    "{linear_softening: {strength: 1.0e6, fracture_energy: 1000, friction: 0.6}}";
+
+/// External work is what is stored, dissipated and taken by friction.
+fn assert_balance(run: &Run, relative: f64) {
+    let [elastic, dissipated, friction, external] =
+        ["elastic", "dissipated", "friction", "external"]
+            .map(|name| run.column(&format!("energy.{name}")));
+    for row in 0..external.len() {
+        let sum = elastic[row] + dissipated[row] + friction[row];
+        let error = (sum - external[row]).abs();
+        assert!(error <= relative * external[row].abs(), "{}: row {row}: {error:e}", run.label);
+    }
+    assert!(friction.is_sorted() && friction[friction.len() - 1] > 0.0, "{friction:?}");
+}
+
+/// The same history, jumps over the displacements of the platen.
+fn assert_same(one: &Run, other: &Run, tolerance: f64) {
+    assert_eq!(one.table.columns, other.table.columns);
+    assert_eq!(one.table.rows.len(), other.table.rows.len());
+    let difference = one.difference_above(other, |kind| match kind {
+        Kind::Length => 4.0e-3,
+        Kind::Damage => 1.0,
+        _ => f64::MIN_POSITIVE,
+    });
+    assert!(difference <= tolerance, "{} {}: {difference:e}", one.label, other.label);
+}
+
+#[test]
+fn the_condensed_form_makes_the_corrections_of_the_saddle_point_form() {
+    for law in [CONTACT, COHESIVE] {
+        let scene = dragged(law, "[3, 2, 2]").in_any_steps();
+        let (one, other) = (scene.on(1), scene.set("solver.form=saddle_point").on(2));
+        assert_same(&one, &other, 1e-8);
+        assert_eq!(one.corrections(), other.corrections());
+        let most = one.corrections().into_iter().fold(0.0, f64::max);
+        assert!(most <= 8.0, "{:?}", one.corrections());
+    }
+}
+
+#[test]
+fn solvers_ranks_and_restarts_agree_and_energy_balances() {
+    let scene = dragged(CONTACT, "[4, 4, 4]");
+    let one = scene.on(1);
+    assert_balance(&one, 1e-8);
+    for (solver, ranks) in [("multigrid", 3), ("aggregation", 2)] {
+        let other = scene.set(&format!("solver.linear={solver}")).on(ranks);
+        assert_same(&one, &other, 1e-7);
+    }
+    let stopped = scene.stopped(2, "history:1:term:3", 3);
+    assert_same(&one, &stopped, 1e-8);
+}
