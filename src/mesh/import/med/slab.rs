@@ -166,8 +166,7 @@ impl Slabs {
 
 /// Refuses numbers and families that are not one for each node or element.
 fn check_lists(folder: &Folder, count: usize) -> Told<()> {
-    let there = ["NUM", "FAM"].into_iter().filter(|name| folder.has(name));
-    let mut there = there;
+    let mut there = ["NUM", "FAM"].into_iter().filter(|name| folder.has(name));
     there.try_for_each(|name| check_length(folder, name, Some(count)))
 }
 
