@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use crate::assembly::{Discretization, NodeState, TangentOperator};
+use crate::assembly::{Discretization, NodeState, Precision, TangentOperator};
 use crate::mesh::Interpolation;
 use crate::petsc::LinearOperator;
 
@@ -62,21 +62,21 @@ impl Transfer {
     }
 
     /// Interpolates the values of a fine node.
-    fn gather(&self, fine_node: usize, coarse: &[f64], values: &mut [f64]) {
+    fn gather<T: Precision>(&self, fine_node: usize, coarse: &[T], values: &mut [T]) {
         let dim = values.len();
-        values.fill(0.0);
+        values.fill(T::ZERO);
         for (parent, part) in self.parents(fine_node) {
-            let from = &coarse[parent * dim..][..dim];
-            values.iter_mut().zip(from).for_each(|(v, u)| *v += part * u);
+            let (from, part) = (&coarse[parent * dim..][..dim], T::from_double(part));
+            values.iter_mut().zip(from).for_each(|(v, u)| *v += part * *u);
         }
     }
 
     /// The transpose of `gather`.
-    fn scatter(&self, fine_node: usize, values: &[f64], coarse: &mut [f64]) {
+    fn scatter<T: Precision>(&self, fine_node: usize, values: &[T], coarse: &mut [T]) {
         let dim = values.len();
         for (parent, part) in self.parents(fine_node) {
-            let to = &mut coarse[parent * dim..][..dim];
-            to.iter_mut().zip(values).for_each(|(f, v)| *f += part * v);
+            let (to, part) = (&mut coarse[parent * dim..][..dim], T::from_double(part));
+            to.iter_mut().zip(values).for_each(|(f, v)| *f += part * *v);
         }
     }
 
@@ -203,51 +203,37 @@ fn coarse_state(
     state
 }
 
-impl LinearOperator for Transfer {
-    /// Coarse unknowns to fine ones.
-    fn multiply(&self, x: &[f64], y: &mut [f64]) {
+impl Transfer {
+    /// Coarse unknowns to fine ones, between lattices. Collective.
+    pub fn prolong<T: Precision>(&self, x: &[T], y: &mut [T], u: &mut [T]) {
         let fine = self.fine.discretization();
         let dim = fine.dim;
-        let [u, _] = &mut *self.work.borrow_mut();
         u[..x.len()].copy_from_slice(x);
         self.coarse.expand(u);
-        if self.is_of_file {
-            self.multiply_along_axes(u, y);
-            self.fine.for_identity_components(|own| y[own] = 0.0);
-            return;
-        }
         for (node, values) in y.chunks_exact_mut(dim).enumerate() {
             self.gather(node, u, values);
         }
         self.coarse.to_jumps(u);
         for (index, rows) in fine.secondary[..fine.owned_secondary()].iter().enumerate() {
-            let (node, mut jump) = (rows.node as usize, [0.0; 3]);
+            let (node, mut jump) = (rows.node as usize, [T::ZERO; 3]);
             self.gather(node, u, &mut jump[..dim]);
             for c in (0..dim).filter(|c| self.fine.unknown_is_jump(index, *c)) {
                 y[node * dim + c] = jump[c];
             }
         }
-        self.fine.for_identity_components(|own| y[own] = 0.0);
+        self.fine.for_identity_components(|own| y[own] = T::ZERO);
     }
 
-    /// Fine forces to coarse ones.
-    fn multiply_transpose(&self, x: &[f64], y: &mut [f64]) {
+    /// Fine forces to coarse ones, between lattices; the former are used up. Collective.
+    pub fn restrict<T: Precision>(&self, r: &mut [T], y: &mut [T], room: &mut [Vec<T>; 2]) {
         let fine = self.fine.discretization();
         let dim = fine.dim;
-        let [force, on_jumps] = &mut *self.work.borrow_mut();
-        force.fill(0.0);
-        on_jumps.fill(0.0);
-        let r = &mut *self.residual.borrow_mut();
-        r.copy_from_slice(x);
-        self.fine.for_identity_components(|own| r[own] = 0.0);
-        if self.is_of_file {
-            self.spread_along_axes(r, force, on_jumps);
-            self.coarse.fold(force, Some(on_jumps));
-            y.copy_from_slice(&force[..y.len()]);
-            return;
-        }
+        let [force, on_jumps] = room;
+        force.fill(T::ZERO);
+        on_jumps.fill(T::ZERO);
+        self.fine.for_identity_components(|own| r[own] = T::ZERO);
         for (index, rows) in fine.secondary[..fine.owned_secondary()].iter().enumerate() {
-            let (node, mut jump) = (rows.node as usize, [0.0; 3]);
+            let (node, mut jump) = (rows.node as usize, [T::ZERO; 3]);
             for c in (0..dim).filter(|c| self.fine.unknown_is_jump(index, *c)) {
                 jump[c] = std::mem::take(&mut r[node * dim + c]);
             }
@@ -256,6 +242,47 @@ impl LinearOperator for Transfer {
         for (node, values) in r.chunks_exact(dim).enumerate() {
             self.scatter(node, values, force);
         }
+        self.coarse.fold(force, Some(on_jumps));
+        y.copy_from_slice(&force[..y.len()]);
+    }
+
+    /// Whether it is one between meshes of a file.
+    pub fn is_of_file(&self) -> bool {
+        self.is_of_file
+    }
+
+    /// Unknowns of all local coarse nodes.
+    pub fn coarse_unknowns_held(&self) -> usize {
+        self.coarse.unknowns_held()
+    }
+}
+
+impl LinearOperator for Transfer {
+    /// Coarse unknowns to fine ones.
+    fn multiply(&self, x: &[f64], y: &mut [f64]) {
+        let [u, _] = &mut *self.work.borrow_mut();
+        if !self.is_of_file {
+            return self.prolong(x, y, u);
+        }
+        u[..x.len()].copy_from_slice(x);
+        self.coarse.expand(u);
+        self.multiply_along_axes(u, y);
+        self.fine.for_identity_components(|own| y[own] = 0.0);
+    }
+
+    /// Fine forces to coarse ones.
+    fn multiply_transpose(&self, x: &[f64], y: &mut [f64]) {
+        let room = &mut *self.work.borrow_mut();
+        let r = &mut *self.residual.borrow_mut();
+        r.copy_from_slice(x);
+        if !self.is_of_file {
+            return self.restrict(r, y, room);
+        }
+        let [force, on_jumps] = room;
+        force.fill(0.0);
+        on_jumps.fill(0.0);
+        self.fine.for_identity_components(|own| r[own] = 0.0);
+        self.spread_along_axes(r, force, on_jumps);
         self.coarse.fold(force, Some(on_jumps));
         y.copy_from_slice(&force[..y.len()]);
     }
