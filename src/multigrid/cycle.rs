@@ -7,7 +7,7 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use super::Transfer;
+use super::transfer::Transfer;
 use crate::assembly::TangentOperator;
 use crate::comm::Comm;
 use crate::error::Result;
@@ -48,6 +48,10 @@ pub struct Cycle {
     /// From the one above the coarsest to the finest.
     levels: Vec<Level>,
     coarsest: LinearSolver,
+    /// Of a cell against one displacement, at most (N/m).
+    stiffness: f64,
+    /// Right-hand side and correction of the finest level.
+    finest: RefCell<[Vec<f32>; 2]>,
 }
 
 impl Level {
@@ -102,7 +106,9 @@ impl Cycle {
     ) -> Self {
         let levels = operators[1..].iter().zip(transfers);
         let levels = levels.map(|(operator, transfer)| Level::new(Rc::clone(operator), transfer));
-        Self { comm: comm.clone(), levels: levels.collect(), coarsest }
+        let stiffness = operators[operators.len() - 1].identity_entry();
+        let (comm, finest) = (comm.clone(), RefCell::default());
+        Self { comm, levels: levels.collect(), coarsest, stiffness, finest }
     }
 
     /// Takes the diagonal of a level above the coarsest, of number 1 on, and the interval of
@@ -143,10 +149,15 @@ impl Preconditioner for Cycle {
             z.fill(0.0);
             return Ok(());
         }
-        let b: Vec<f32> = r.iter().map(|r| (r / scale) as f32).collect();
-        let mut x = vec![0.0; b.len()];
-        self.correct(self.levels.len(), &b, &mut x)?;
-        z.iter_mut().zip(x).for_each(|(z, x)| *z = scale * f64::from(x));
+        // Corrections of about 1: single precision has room above and below.
+        let factor = self.stiffness / scale;
+        let [b, x] = &mut *self.finest.borrow_mut();
+        b.clear();
+        b.extend(r.iter().map(|r| (r * factor) as f32));
+        x.resize(b.len(), 0.0);
+        self.correct(self.levels.len(), b, x)?;
+        let back = factor.recip();
+        z.iter_mut().zip(x).for_each(|(z, x)| *z = back * f64::from(*x));
         Ok(())
     }
 }

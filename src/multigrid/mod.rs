@@ -5,6 +5,7 @@
 //! applied without a matrix; the coarsest is assembled and eliminated.
 
 mod cycle;
+mod lines;
 mod spectrum;
 mod transfer;
 
