@@ -16,12 +16,28 @@ pub fn widest(kernel: impl Kernel) {
             // SAFETY: the processor has the feature.
             return unsafe { with_avx512(kernel) };
         }
+        if is_fused() {
+            // SAFETY: the processor has the features.
+            return unsafe { with_avx2_and_fma(kernel) };
+        }
         if std::arch::is_x86_feature_detected!("avx2") {
             // SAFETY: the processor has the feature.
             return unsafe { with_avx2(kernel) };
         }
     }
     kernel.run();
+}
+
+/// Whether `mul_add` is one instruction inside [`widest`]. Elsewhere it may call the C library.
+pub fn is_fused() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    {
+        std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    {
+        cfg!(target_arch = "aarch64")
+    }
 }
 
 /// Whether [`wide`] may be called.
@@ -61,7 +77,13 @@ fn with_avx2(kernel: impl Kernel) {
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f")]
+#[target_feature(enable = "avx2,fma")]
+fn with_avx2_and_fma(kernel: impl Kernel) {
+    kernel.run();
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx2,fma")]
 fn with_avx512(kernel: impl Kernel) {
     kernel.run();
 }

@@ -1,5 +1,8 @@
 //! The cells of one rank and their internal forces.
 
+use std::cell::OnceCell;
+
+use super::boxes::Boxes;
 use super::general::{Field, GeneralSweep};
 use super::second_order::SecondOrderSweep;
 use super::sweep::Sweep;
@@ -36,6 +39,10 @@ pub struct Cells {
 #[derive(Default)]
 struct Sweeps {
     first: Sweep,
+    /// Of the cells of `first` those in boxes, and a sweep over the rest.
+    boxes: Option<(Boxes<f64>, Sweep)>,
+    /// Those boxes in single precision, once they are asked for.
+    single: OnceCell<Option<Boxes<f32>>>,
     second: SecondOrderSweep,
     general: GeneralSweep,
 }
@@ -76,7 +83,26 @@ impl Cells {
             cells.points = points.iter().map(along).collect();
         }
         cells.all = cells.sweeps(0..cells.len());
+        cells.all.boxes = cells.boxes();
         cells
+    }
+
+    /// The boxes of cells of first order, where there are any, and a sweep over the rest.
+    fn boxes(&self) -> Option<(Boxes<f64>, Sweep)> {
+        if self.dim < 3 {
+            return None;
+        }
+        let of = |cell: usize| (self.nodes(cell), self.prototype[cell]);
+        let all = || (0..self.len()).map(of).filter(|(_, prototype)| self.is_first(*prototype));
+        let modal = |prototype: u32| modal(&self.stiffness[prototype as usize]).expect(SORTED);
+        let (boxes, is_in_box) = Boxes::new(all(), modal);
+        let rest = all().zip(&is_in_box).filter(|(_, is_in_box)| !**is_in_box);
+        (!boxes.is_empty()).then(|| (boxes, Sweep::new(self.dim, rest.map(|(cell, _)| cell))))
+    }
+
+    /// Whether the cells of a prototype are boxes of first order.
+    fn is_first(&self, prototype: u32) -> bool {
+        modal(&self.stiffness[prototype as usize]).is_some()
     }
 
     fn sweeps(&self, cells: impl Iterator<Item = usize> + Clone) -> Sweeps {
@@ -87,6 +113,8 @@ impl Cells {
         };
         Sweeps {
             first: Sweep::new(self.dim, with(|s| modal(s).is_some())),
+            boxes: None,
+            single: OnceCell::new(),
             second: SecondOrderSweep::new(self.dim, with(|s| parity(s).is_some())),
             general: GeneralSweep::new(
                 |prototype| self.general(prototype),
@@ -208,6 +236,25 @@ impl Cells {
         self.all.add_forces(self, u, [owned, ghosts], None);
     }
 
+    /// Whether [`Cells::add_single_forces_apart`] may be called: on boxes of first order alone.
+    pub fn serve_in_single_precision(&self) -> bool {
+        (0..self.stiffness.len()).all(|prototype| self.is_first(prototype as u32))
+    }
+
+    /// As [`Cells::add_forces_apart`] in single precision. Local.
+    pub fn add_single_forces_apart(&self, u: &[f32], owned: &mut [f32], ghosts: &mut [f32]) {
+        let modal = |prototype: u32| modal(&self.stiffness[prototype as usize]).expect(SORTED);
+        let boxes = self.all.boxes.as_ref();
+        let single = self.all.single.get_or_init(|| boxes.map(|(boxes, _)| boxes.to_single()));
+        match (single, boxes) {
+            (Some(single), Some((_, rest))) => {
+                single.add_forces(u, [&mut *owned, &mut *ghosts]);
+                rest.add_forces(modal, u, [owned, ghosts], None);
+            }
+            _ => self.all.first.add_forces(modal, u, [owned, ghosts], None),
+        }
+    }
+
     /// Adds the diagonal of the stiffness (N/m), `dim` numbers per local node. Local.
     pub fn add_diagonal(&self, diagonal: &mut [f64]) {
         let dim = self.dim;
@@ -261,7 +308,14 @@ impl Sweeps {
         let of = |prototype: u32| &cells.stiffness[prototype as usize];
         let sizes = magnitude.as_deref_mut();
         let modal = |prototype| modal(of(prototype)).expect(SORTED);
-        self.first.add_forces(modal, u, [&mut *first, &mut *others], sizes);
+        match &self.boxes {
+            // Only cell by cell the forces have sizes that do not cancel.
+            Some((boxes, rest)) if sizes.is_none() => {
+                boxes.add_forces(u, [&mut *first, &mut *others]);
+                rest.add_forces(modal, u, [&mut *first, &mut *others], None);
+            }
+            _ => self.first.add_forces(modal, u, [&mut *first, &mut *others], sizes),
+        }
         let sizes = magnitude.as_deref_mut();
         let parity = |prototype| parity(of(prototype)).expect(SORTED);
         self.second.add_forces(parity, u, [&mut *first, &mut *others], sizes);

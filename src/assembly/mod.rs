@@ -4,6 +4,7 @@
 //! secondary displacement eliminated where the jump is known. The saddle-point form keeps both. The
 //! graphs do not depend on the state.
 
+mod boxes;
 mod cells;
 mod films;
 mod frames;
@@ -25,7 +26,7 @@ pub use coupled_matrix::{CoupledMatrix, CoupledValues};
 pub use films::{FilmFacet, FilmNode, FilmTangent, Films, Opening};
 pub use frames::{Framed, Frames};
 pub use node_state::NodeState;
-pub use operator::TangentOperator;
+pub use operator::{Precision, TangentOperator};
 pub use pattern::Pattern;
 pub use pores::{PoreCell, PoreSpace, Tie};
 pub use saddle::{LawDerivative, SaddleTangent};

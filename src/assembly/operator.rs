@@ -8,8 +8,11 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use mpi::datatype::traits::Equivalence;
+
 use super::Discretization;
 use super::NodeState;
+use super::boxes::Scalar;
 use super::friction::{friction_on_jump, spread_friction};
 use super::tangent::transform_diagonal;
 use crate::petsc::LinearOperator;
@@ -27,16 +30,48 @@ pub struct TangentOperator {
     stiffness: Vec<f64>,
     /// Displacements of all local nodes, and forces at ghosts.
     work: RefCell<[Vec<f64>; 2]>,
+    /// The same in single precision, once it is used.
+    single: RefCell<[Vec<f32>; 2]>,
+}
+
+/// A precision in which the operator is applied. What belongs to interfaces is added up in double
+/// precision and then rounded.
+pub trait Precision: Scalar + Equivalence {
+    /// Room for displacements of all local nodes and forces at ghosts.
+    fn work(operator: &TangentOperator) -> &RefCell<[Vec<Self>; 2]>;
+
+    /// As [`Discretization::add_forces_apart`].
+    fn add_forces_apart(all: &Discretization, u: &[Self], owned: &mut [Self], ghosts: &mut [Self]);
+}
+
+impl Precision for f64 {
+    fn work(operator: &TangentOperator) -> &RefCell<[Vec<f64>; 2]> {
+        &operator.work
+    }
+
+    fn add_forces_apart(all: &Discretization, u: &[f64], owned: &mut [f64], ghosts: &mut [f64]) {
+        all.add_forces_apart(u, owned, ghosts);
+    }
+}
+
+impl Precision for f32 {
+    fn work(operator: &TangentOperator) -> &RefCell<[Vec<f32>; 2]> {
+        &operator.single
+    }
+
+    fn add_forces_apart(all: &Discretization, u: &[f32], owned: &mut [f32], ghosts: &mut [f32]) {
+        all.cells.add_single_forces_apart(u, owned, ghosts);
+    }
 }
 
 /// Forces at owned components and at those of ghosts, which need not lie together.
-struct Apart<'a> {
-    owned: &'a mut [f64],
-    ghosts: &'a mut [f64],
+struct Apart<'a, T> {
+    owned: &'a mut [T],
+    ghosts: &'a mut [T],
 }
 
-impl Apart<'_> {
-    fn at(&mut self, component: usize) -> &mut f64 {
+impl<T> Apart<'_, T> {
+    fn at(&mut self, component: usize) -> &mut T {
         match component.checked_sub(self.owned.len()) {
             None => &mut self.owned[component],
             Some(ghost) => &mut self.ghosts[ghost],
@@ -57,11 +92,12 @@ impl TangentOperator {
         let size = all.nodes.len() * dim;
         let ghosts = size - all.nodes.owned * dim;
         let work = RefCell::new([vec![0.0; size], vec![0.0; ghosts]]);
+        let single = RefCell::default();
         let mut stiffness = vec![0.0; size];
         all.add_diagonal(&mut stiffness);
         all.nodes.add_to_owners(&mut stiffness, dim);
         all.nodes.update_ghosts(&mut stiffness, dim);
-        Self { all, diagonal, state, prescribed, stiffness, work }
+        Self { all, diagonal, state, prescribed, stiffness, work, single }
     }
 
     /// The cells and nodes it acts on.
@@ -86,36 +122,37 @@ impl TangentOperator {
 
     /// Turns owned unknowns into displacements of all local nodes: zero where prescribed, without a
     /// jump at stuck components. Collective.
-    pub fn expand(&self, u: &mut [f64]) {
+    pub fn expand<T: Precision>(&self, u: &mut [T]) {
         let (all, dim) = (&self.all, self.all.dim);
         for component in &self.prescribed {
-            u[*component as usize] = 0.0;
+            u[*component as usize] = T::ZERO;
         }
         all.nodes.update_ghosts(u, dim);
         for component in &self.prescribed {
-            u[*component as usize] = 0.0;
+            u[*component as usize] = T::ZERO;
         }
         // The rows contain no other component that has a row itself.
         for (rows, state) in all.secondary.iter().zip(&*self.state.borrow()) {
             for (c, row) in rows.rows[..dim].iter().enumerate() {
                 let follows = state.stuck[c] || state.jump[c];
                 let Some(row) = row.as_ref().filter(|_| follows) else { continue };
-                let followed = row.trace_of_others(|unknown| u[unknown as usize]);
+                let followed = row.trace_of_others(|unknown| u[unknown as usize].to_double());
                 let own = &mut u[rows.own(c) as usize];
-                *own = if state.stuck[c] { 0.0 } else { *own } - followed / row.own;
+                let jump = if state.stuck[c] { 0.0 } else { own.to_double() };
+                *own = T::from_double(jump - followed / row.own);
             }
         }
     }
 
     /// Replaces expanded displacements by jumps over their own coefficient at all local secondary
     /// nodes. Local.
-    pub fn to_jumps(&self, u: &mut [f64]) {
+    pub fn to_jumps<T: Precision>(&self, u: &mut [T]) {
         let dim = self.all.dim;
         for rows in &self.all.secondary {
             for (c, row) in rows.rows[..dim].iter().enumerate() {
                 let Some(row) = row else { continue };
-                let followed = row.trace_of_others(|unknown| u[unknown as usize]);
-                u[rows.own(c) as usize] += followed / row.own;
+                let followed = row.trace_of_others(|unknown| u[unknown as usize].to_double());
+                u[rows.own(c) as usize] += T::from_double(followed / row.own);
             }
         }
     }
@@ -123,33 +160,35 @@ impl TangentOperator {
     /// The transpose of [`TangentOperator::expand`]: local forces to those on owned unknowns, zero
     /// at identity rows. `on_jumps` acts on what [`TangentOperator::to_jumps`] gives; none counts
     /// as zero. Collective.
-    pub fn fold(&self, force: &mut [f64], on_jumps: Option<&[f64]>) {
+    pub fn fold<T: Precision>(&self, force: &mut [T], on_jumps: Option<&[T]>) {
         let (owned, ghosts) = force.split_at_mut(self.all.nodes.owned * self.all.dim);
         self.fold_apart(Apart { owned, ghosts }, on_jumps);
     }
 
-    fn fold_apart(&self, mut force: Apart<'_>, on_jumps: Option<&[f64]>) {
+    fn fold_apart<T: Precision>(&self, mut force: Apart<'_, T>, on_jumps: Option<&[T]>) {
         let (all, dim) = (&self.all, self.all.dim);
         for (rows, state) in all.secondary.iter().zip(&*self.state.borrow()) {
-            let friction = friction_on_jump(rows, state, |own| *force.at(own as usize));
+            let friction = friction_on_jump(rows, state, |own| force.at(own as usize).to_double());
             for (c, row) in rows.rows[..dim].iter().enumerate() {
                 let Some(row) = row else { continue };
                 let own = rows.own(c) as usize;
                 // A force on a jump is one on the displacement and its reaction on the others.
-                let on_jump = on_jumps.map_or(0.0, |on_jumps| on_jumps[own]);
+                let on_jump = on_jumps.map_or(T::ZERO, |on_jumps| on_jumps[own]);
                 let carried = match (state.stuck[c], state.jump[c]) {
-                    (true, _) => -std::mem::take(force.at(own)),
+                    (true, _) => -std::mem::take(force.at(own)).to_double(),
                     (false, jump) => {
                         let before = *force.at(own);
                         *force.at(own) += on_jump;
-                        if jump { -before } else { on_jump }
+                        if jump { -before.to_double() } else { on_jump.to_double() }
                     }
                 } / row.own;
-                row.spread_to_others(carried, |unknown, f| *force.at(unknown as usize) += f);
+                row.spread_to_others(carried, |unknown, f| {
+                    *force.at(unknown as usize) += T::from_double(f);
+                });
             }
             if let Some(friction) = friction {
                 spread_friction(rows, state, friction, |unknown, f| {
-                    *force.at(unknown as usize) += f;
+                    *force.at(unknown as usize) += T::from_double(f);
                 });
             }
         }
@@ -157,7 +196,7 @@ impl TangentOperator {
         all.nodes.add_ghosts_to_owners(owned, ghosts, dim);
         let size = owned.len();
         for component in self.prescribed.iter().take_while(|c| (**c as usize) < size) {
-            owned[*component as usize] = 0.0;
+            owned[*component as usize] = T::ZERO;
         }
     }
 
@@ -240,7 +279,7 @@ impl TangentOperator {
     }
 
     /// Adds the law's forces at owned secondary nodes; see `tangent::add_law` on the weights.
-    fn add_law(&self, u: &[f64], force: &mut Apart<'_>) {
+    fn add_law<T: Precision>(&self, u: &[T], force: &mut Apart<'_, T>) {
         let (all, dim) = (&self.all, self.all.dim);
         let owned = &all.secondary[..all.owned_secondary()];
         for (rows, state) in owned.iter().zip(&*self.state.borrow()) {
@@ -248,7 +287,7 @@ impl TangentOperator {
             let mut jump = [0.0; 3];
             for c in 0..dim {
                 if let Some(row) = free(c) {
-                    let of_row = row.trace(rows.own(c), |unknown| u[unknown as usize]);
+                    let of_row = row.trace(rows.own(c), |unknown| u[unknown as usize].to_double());
                     jump[c] = row.weight.sqrt() * of_row;
                 }
             }
@@ -257,7 +296,7 @@ impl TangentOperator {
                     let traction: f64 = (0..dim).map(|d| state.tangent[c][d] * jump[d]).sum();
                     let on_row = row.weight.sqrt() * traction;
                     row.spread(rows.own(c), on_row, |unknown, f| {
-                        *force.at(unknown as usize) += f;
+                        *force.at(unknown as usize) += T::from_double(f);
                     });
                 }
             }
@@ -283,19 +322,38 @@ impl TangentOperator {
         });
     }
 
-    fn product(&self, x: &[f64], y: &mut [f64], beside: impl FnOnce(&[f64], &mut Apart<'_>)) {
+    fn product<T: Precision>(
+        &self,
+        x: &[T],
+        y: &mut [T],
+        beside: impl FnOnce(&[T], &mut Apart<'_, T>),
+    ) {
         let (all, owned) = (&self.all, y.len());
-        let [u, ghosts] = &mut *self.work.borrow_mut();
+        let [u, ghosts] = &mut *T::work(self).borrow_mut();
+        u.resize(self.unknowns_held(), T::ZERO);
+        ghosts.resize(self.unknowns_held() - owned, T::ZERO);
         u[..owned].copy_from_slice(x);
         self.expand(u);
-        y.fill(0.0);
-        ghosts.fill(0.0);
-        all.add_forces_apart(u, y, ghosts);
+        y.fill(T::ZERO);
+        ghosts.fill(T::ZERO);
+        T::add_forces_apart(all, u, y, ghosts);
         let mut force = Apart { owned: &mut *y, ghosts };
         self.add_law(u, &mut force);
         beside(u, &mut force);
         self.fold_apart(force, None);
-        self.for_identity_components(|own| y[own] = self.diagonal * x[own]);
+        let identity = T::from_double(self.diagonal);
+        self.for_identity_components(|own| y[own] = identity * x[own]);
+    }
+
+    /// As [`LinearOperator::multiply`] in either precision. In single precision only where
+    /// [`TangentOperator::serves_in_single_precision`]. Collective.
+    pub fn multiply_in<T: Precision>(&self, x: &[T], y: &mut [T]) {
+        self.product(x, y, |_, _| {});
+    }
+
+    /// Whether the product can be had in single precision. Local.
+    pub fn serves_in_single_precision(&self) -> bool {
+        self.all.frames.is_empty() && self.all.cells.serve_in_single_precision()
     }
 }
 

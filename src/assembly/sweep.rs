@@ -9,6 +9,7 @@
 
 use crate::bulk::{MODES, Modal, couples, partner};
 use crate::simd::{Kernel, widest};
+use crate::sparse::Real;
 
 /// Slots of a batch: the arrays of the sweep stay in the innermost cache.
 const SLOTS: usize = 32;
@@ -103,39 +104,42 @@ impl Sweep {
     /// forces in two parts: those of the first nodes, then those of the others. `stiffness` gives
     /// the modal form of a prototype. `magnitude` gets the sum of the lengths of the cells' nodal
     /// forces, one per local node. Local.
-    pub fn add_forces<'a>(
+    pub fn add_forces<'a, T: Real>(
         &self,
         stiffness: impl Fn(u32) -> &'a Modal,
-        u: &[f64],
-        force: [&mut [f64]; 2],
+        u: &[T],
+        force: [&mut [T]; 2],
         magnitude: Option<&mut [f64]>,
     ) {
         let sizes = magnitude.is_some();
         let magnitude = magnitude.unwrap_or_default();
         let pass = Pass { sweep: self, stiffness, u, force, magnitude };
         match (self.dim, sizes) {
-            (2, false) => widest(Dim::<_, 2, 2, false>(pass)),
-            (2, true) => widest(Dim::<_, 2, 2, true>(pass)),
-            (_, false) => widest(Dim::<_, 3, 4, false>(pass)),
-            (_, true) => widest(Dim::<_, 3, 4, true>(pass)),
+            (2, false) => widest(Dim::<_, _, 2, 2, false>(pass)),
+            (2, true) => widest(Dim::<_, _, 2, 2, true>(pass)),
+            (_, false) => widest(Dim::<_, _, 3, 4, false>(pass)),
+            (_, true) => widest(Dim::<_, _, 3, 4, true>(pass)),
         }
     }
 }
 
 /// One pass over the cells of a sweep.
-struct Pass<'s, F> {
+struct Pass<'s, F, T> {
     sweep: &'s Sweep,
     stiffness: F,
-    u: &'s [f64],
-    force: [&'s mut [f64]; 2],
+    u: &'s [T],
+    force: [&'s mut [T]; 2],
     magnitude: &'s mut [f64],
 }
 
 /// A pass in `DIM` dimensions with `L` lines per batch, with or without the lengths of the forces.
-struct Dim<'s, F, const DIM: usize, const L: usize, const SIZES: bool>(Pass<'s, F>);
+struct Dim<'s, F, T, const DIM: usize, const L: usize, const SIZES: bool>(Pass<'s, F, T>);
 
-impl<'a, F: Fn(u32) -> &'a Modal, const DIM: usize, const L: usize, const SIZES: bool> Kernel
-    for Dim<'_, F, DIM, L, SIZES>
+impl<'a, F, T, const DIM: usize, const L: usize, const SIZES: bool> Kernel
+    for Dim<'_, F, T, DIM, L, SIZES>
+where
+    F: Fn(u32) -> &'a Modal,
+    T: Real,
 {
     #[inline(always)]
     fn run(self) {
@@ -150,7 +154,7 @@ impl<'a, F: Fn(u32) -> &'a Modal, const DIM: usize, const L: usize, const SIZES:
         for batch in &sweep.batches {
             let slots = batch.slots as usize;
             let nodes = &sweep.nodes[batch.first as usize..][..slots * L];
-            gather::<DIM, L>(u, nodes, &mut s);
+            gather::<T, DIM, L>(u, nodes, &mut s);
             to_modes::<DIM, L>(&mut s);
             apply::<DIM>(stiffness(batch.prototype), &mut s);
             let gaps = &sweep.gaps[batch.gaps[0] as usize..batch.gaps[1] as usize];
@@ -165,22 +169,26 @@ impl<'a, F: Fn(u32) -> &'a Modal, const DIM: usize, const L: usize, const SIZES:
                 add_lengths::<L>(&s, nodes, magnitude);
             }
             to_nodes::<DIM, L>(&mut s);
-            scatter::<DIM, L>(&s, nodes, first, others);
+            scatter::<T, DIM, L>(&s, nodes, first, others);
         }
     }
 }
 
 /// Takes the displacements of the nodes of a batch, line by line.
 #[inline(always)]
-fn gather<const DIM: usize, const L: usize>(u: &[[f64; DIM]], nodes: &[u32], s: &mut Scratch) {
+fn gather<T: Real, const DIM: usize, const L: usize>(
+    u: &[[T; DIM]],
+    nodes: &[u32],
+    s: &mut Scratch,
+) {
     for (line, nodes) in (0..L).zip(nodes.chunks_exact(nodes.len() / L)) {
         let [x, y, z] = s.line.each_mut().map(|of_component| &mut of_component[line]);
         for (((node, x), y), z) in nodes.iter().zip(x).zip(y).zip(z) {
             let values = &u[*node as usize];
-            *x = values[0];
-            *y = values[1];
+            *x = values[0].to_double();
+            *y = values[1].to_double();
             if DIM == 3 {
-                *z = values[2];
+                *z = values[2].to_double();
             }
         }
     }
@@ -188,11 +196,11 @@ fn gather<const DIM: usize, const L: usize>(u: &[[f64; DIM]], nodes: &[u32], s: 
 
 /// Adds the forces to the nodes of a batch, those of the `first` nodes and of the others.
 #[inline(always)]
-fn scatter<const DIM: usize, const L: usize>(
+fn scatter<T: Real, const DIM: usize, const L: usize>(
     s: &Scratch,
     nodes: &[u32],
-    first: &mut [[f64; DIM]],
-    others: &mut [[f64; DIM]],
+    first: &mut [[T; DIM]],
+    others: &mut [[T; DIM]],
 ) {
     for (line, nodes) in (0..L).zip(nodes.chunks_exact(nodes.len() / L)) {
         let [x, y, z] = s.line.each_ref().map(|of_component| &of_component[line]);
@@ -200,10 +208,10 @@ fn scatter<const DIM: usize, const L: usize>(
             let node = *node as usize;
             let target =
                 if node < first.len() { &mut first[node] } else { &mut others[node - first.len()] };
-            target[0] += x;
-            target[1] += y;
+            target[0] += T::from_double(*x);
+            target[1] += T::from_double(*y);
             if DIM == 3 {
-                target[2] += z;
+                target[2] += T::from_double(*z);
             }
         }
     }

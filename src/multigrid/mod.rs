@@ -4,6 +4,8 @@
 //! state of the interfaces brought down from the level above. All levels but the coarsest are
 //! applied without a matrix; the coarsest is assembled and eliminated.
 
+mod cycle;
+mod lines;
 mod spectrum;
 mod transfer;
 
@@ -13,13 +15,21 @@ use crate::assembly::{Discretization, NodeState, Pattern, Tangent, TangentOperat
 use crate::comm::Comm;
 use crate::error::Result;
 use crate::mesh::Interpolation;
-use crate::petsc::{Matrix, MultigridLevel, Petsc, Smoother};
+use crate::petsc::{
+    LinearOperator, LinearSolver, Matrix, MultigridLevel, Petsc, Preconditioner, Smoother,
+};
 
+use cycle::Cycle;
 pub use spectrum::largest_eigenvalue;
 pub use transfer::Transfer;
 
 /// Part of the spectrum over the diagonal that the smoother damps, from its upper end.
 const DAMPED: f64 = 0.09;
+
+/// Entries of a diagonal (N/m) that single precision holds with room on both sides.
+const LEAST: f64 = 1e-15;
+/// See [`LEAST`].
+const MOST: f64 = 1e25;
 
 /// A discretisation, and how its owned nodes depend on those of the next coarser level; on the
 /// coarsest level they depend on none.
@@ -43,6 +53,8 @@ pub struct Hierarchy {
     largest: Vec<f64>,
     /// The smoothers of the same levels.
     smoothers: Vec<Smoother>,
+    /// The cycle of our own, where it takes the place of PETSc's.
+    cycle: Option<Rc<Cycle>>,
 }
 
 impl Hierarchy {
@@ -87,7 +99,7 @@ impl Hierarchy {
             }
         }
         let smoothers = Vec::new();
-        Ok(Self { operators, matrices, transfers, coarsest, largest, smoothers })
+        Ok(Self { operators, matrices, transfers, coarsest, largest, smoothers, cycle: None })
     }
 
     /// The operator of the finest level.
@@ -98,6 +110,55 @@ impl Hierarchy {
     /// From each level to the next finer one, coarsest first.
     pub fn transfers(&self) -> impl Iterator<Item = &Transfer> {
         self.transfers.iter().map(|(transfer, _)| &**transfer)
+    }
+
+    /// Whether the levels serve a cycle in single precision: lattices of boxes of first order, the
+    /// coarsest level apart. Collective.
+    pub fn serves_in_single_precision(&self, comm: &Comm) -> bool {
+        let of_file = |(transfer, _): &(Rc<Transfer>, Matrix)| transfer.is_of_file();
+        let is_not = |o: &Rc<TangentOperator>| {
+            let entry = o.identity_entry();
+            !o.serves_in_single_precision() || !(LEAST..MOST).contains(&entry)
+        };
+        let some = self.operators.iter().any(is_not) || self.transfers.iter().any(of_file);
+        !comm.any(some)
+    }
+
+    /// A cycle of our own over the levels, whose coarsest is solved as PETSc's options under
+    /// `prefix` say. Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub fn own_cycle(
+        &mut self,
+        comm: &Comm,
+        petsc: &Petsc,
+        prefix: &str,
+    ) -> Result<Rc<dyn Preconditioner>> {
+        let coarsest = LinearSolver::new(petsc, prefix, &self.matrices[0])?;
+        let transfers = self.transfers.iter().map(|(transfer, _)| Rc::clone(transfer));
+        let cycle = Rc::new(Cycle::new(comm, &self.operators, transfers, coarsest));
+        self.cycle = Some(Rc::clone(&cycle));
+        Ok(cycle)
+    }
+
+    /// Tells the smoother of a level above the coarsest what to damp. Collective.
+    fn damp(&self, comm: &Comm, level: usize) -> Result<()> {
+        let mut coupling = [self.operators[level].strongest_pair()];
+        comm.max(&mut coupling);
+        let high = self.largest[level - 1] * (1.0 + coupling[0]);
+        let interval = [DAMPED * high, high];
+        if let Some(smoother) = self.smoothers.get(level - 1) {
+            smoother.damp(interval)?;
+        }
+        if let Some(cycle) = &self.cycle {
+            let operator = &self.operators[level];
+            let all = operator.discretization();
+            let mut diagonal = vec![0.0; all.nodes.owned * all.dim];
+            operator.diagonal(&mut diagonal);
+            cycle.damp(level, interval, &diagonal);
+        }
+        Ok(())
     }
 
     /// Takes charge of the smoothers that PETSc made of the levels.
@@ -132,11 +193,8 @@ impl Hierarchy {
                 // Coarser levels only precondition.
                 state.iter_mut().for_each(|state| *state = state.symmetric());
             }
-            if let Some(smoother) = level.checked_sub(1).and_then(|l| self.smoothers.get(l)) {
-                let mut coupling = [self.operators[level].strongest_pair()];
-                comm.max(&mut coupling);
-                let high = self.largest[level - 1] * (1.0 + coupling[0]);
-                smoother.damp([DAMPED * high, high])?;
+            if level > 0 {
+                self.damp(comm, level)?;
             }
             if level == 0 {
                 // With one level the finest matrix is not the one that is eliminated.

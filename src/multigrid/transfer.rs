@@ -3,7 +3,8 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use crate::assembly::{Discretization, NodeState, TangentOperator};
+use super::lines::Lines;
+use crate::assembly::{Discretization, NodeState, Precision, TangentOperator};
 use crate::mesh::Interpolation;
 use crate::petsc::LinearOperator;
 
@@ -20,17 +21,33 @@ const WIDTH: usize = NodeState::WIDTH;
 pub struct Transfer {
     fine: Rc<TangentOperator>,
     coarse: Rc<TangentOperator>,
-    /// First entry of each owned fine node in the two lists below; of the mesh of a file of every
-    /// local one.
-    start: Vec<u32>,
-    /// Local coarse nodes.
-    node: Vec<u32>,
-    weight: Vec<f64>,
-    /// Whether vectors are interpolated along the axes.
-    is_of_file: bool,
+    parents: Parents,
     work: RefCell<[Vec<f64>; 2]>,
     /// Of the size of the owned fine unknowns.
     residual: RefCell<Vec<f64>>,
+}
+
+/// The coarse nodes that each fine node depends on.
+enum Parents {
+    /// Of owned nodes of a lattice.
+    Lines(Lines),
+    /// Of all local nodes of the mesh of a file; vectors are interpolated along the axes.
+    Lists(Lists),
+}
+
+/// First entry of each fine node, local coarse nodes and their parts.
+struct Lists {
+    start: Vec<u32>,
+    node: Vec<u32>,
+    weight: Vec<f64>,
+}
+
+impl Lists {
+    fn of(&self, fine_node: usize) -> impl Iterator<Item = (usize, f64)> {
+        let range = self.start[fine_node] as usize..self.start[fine_node + 1] as usize;
+        let nodes = self.node[range.clone()].iter().map(|n| *n as usize);
+        nodes.zip(self.weight[range].iter().copied())
+    }
 }
 
 impl Transfer {
@@ -40,17 +57,22 @@ impl Transfer {
         coarse: Rc<TangentOperator>,
         interpolation: Interpolation,
     ) -> Self {
-        let Interpolation { start, names, weights, is_of_file } = interpolation;
         let held = "the coarse cell around a fine node is held";
-        let nodes = &coarse.discretization().nodes;
-        let node = names.iter().map(|name| nodes.local(*name).expect(held)).collect();
+        let local = |name| coarse.discretization().nodes.local(name).expect(held);
+        let parents = if interpolation.is_of_file {
+            let Interpolation { start, names, weights, .. } = interpolation;
+            let node = names.into_iter().map(local).collect();
+            Parents::Lists(Lists { start, node, weight: weights })
+        } else {
+            Parents::Lines(Lines::new(&interpolation, local))
+        };
         let zero = vec![0.0; coarse.unknowns_held()];
         let work = RefCell::new([zero.clone(), zero]);
         let residual = {
             let fine = fine.discretization();
             RefCell::new(vec![0.0; fine.nodes.owned * fine.dim])
         };
-        Self { fine, coarse, start, node, weight: weights, is_of_file, work, residual }
+        Self { fine, coarse, parents, work, residual }
     }
 
     /// Owned unknowns of the fine and of the coarse level.
@@ -62,22 +84,22 @@ impl Transfer {
     }
 
     /// Interpolates the values of a fine node.
-    fn gather(&self, fine_node: usize, coarse: &[f64], values: &mut [f64]) {
+    fn gather<T: Precision>(&self, fine_node: usize, coarse: &[T], values: &mut [T]) {
         let dim = values.len();
-        values.fill(0.0);
-        for (parent, part) in self.parents(fine_node) {
-            let from = &coarse[parent * dim..][..dim];
-            values.iter_mut().zip(from).for_each(|(v, u)| *v += part * u);
-        }
+        values.fill(T::ZERO);
+        self.for_parents(fine_node, |parent, part| {
+            let (from, part) = (&coarse[parent * dim..][..dim], T::from_double(part));
+            values.iter_mut().zip(from).for_each(|(v, u)| *v += part * *u);
+        });
     }
 
     /// The transpose of `gather`.
-    fn scatter(&self, fine_node: usize, values: &[f64], coarse: &mut [f64]) {
+    fn scatter<T: Precision>(&self, fine_node: usize, values: &[T], coarse: &mut [T]) {
         let dim = values.len();
-        for (parent, part) in self.parents(fine_node) {
-            let to = &mut coarse[parent * dim..][..dim];
-            to.iter_mut().zip(values).for_each(|(f, v)| *f += part * v);
-        }
+        self.for_parents(fine_node, |parent, part| {
+            let (to, part) = (&mut coarse[parent * dim..][..dim], T::from_double(part));
+            to.iter_mut().zip(values).for_each(|(f, v)| *f += part * *v);
+        });
     }
 
     /// Interpolates displacements along the axes of all local coarse nodes to a fine node.
@@ -149,10 +171,14 @@ impl Transfer {
         coarse.frames.fold(force);
     }
 
-    fn parents(&self, fine_node: usize) -> impl Iterator<Item = (usize, f64)> {
-        let range = self.start[fine_node] as usize..self.start[fine_node + 1] as usize;
-        let nodes = self.node[range.clone()].iter().map(|n| *n as usize);
-        nodes.zip(self.weight[range].iter().copied())
+    /// Calls `act` with the coarse nodes that a fine node depends on, and their parts.
+    fn for_parents(&self, fine_node: usize, mut act: impl FnMut(usize, f64)) {
+        match &self.parents {
+            Parents::Lines(lines) => {
+                lines.parents(fine_node).for_each(|(node, part)| act(node, part))
+            }
+            Parents::Lists(lists) => lists.of(fine_node).for_each(|(node, part)| act(node, part)),
+        }
     }
 
     /// The coarse state for a fine one, both for all local secondary nodes. A component is stuck
@@ -164,7 +190,7 @@ impl Transfer {
         let mut sums = vec![0.0; coarse.nodes.len() * WIDTH];
         for (rows, state) in fine.secondary[..fine.owned_secondary()].iter().zip(fine_state) {
             let weight = |c: usize| rows.rows[c].as_ref().map_or(0.0, |row| row.weight.sqrt());
-            for (parent, part) in self.parents(rows.node as usize) {
+            self.for_parents(rows.node as usize, |parent, part| {
                 let sum = &mut sums[parent * WIDTH..][..WIDTH];
                 for c in 0..dim {
                     sum[c] += f64::from(u8::from(state.stuck[c] && rows.rows[c].is_some()));
@@ -172,7 +198,7 @@ impl Transfer {
                         sum[3 + 3 * c + d] += part * weight(c) * weight(d) * state.tangent[c][d];
                     }
                 }
-            }
+            });
         }
         coarse.nodes.add_to_owners(&mut sums, WIDTH);
         coarse.nodes.update_ghosts(&mut sums, WIDTH);
@@ -203,59 +229,104 @@ fn coarse_state(
     state
 }
 
-impl LinearOperator for Transfer {
-    /// Coarse unknowns to fine ones.
-    fn multiply(&self, x: &[f64], y: &mut [f64]) {
+impl Transfer {
+    /// Interpolates the values of all owned fine nodes.
+    fn gather_all<T: Precision>(&self, coarse: &[T], fine: &mut [T]) {
+        let dim = self.fine.discretization().dim;
+        if let Parents::Lines(lines) = &self.parents {
+            return lines.interpolate(dim, coarse, fine);
+        }
+        for (node, values) in fine.chunks_exact_mut(dim).enumerate() {
+            self.gather(node, coarse, values);
+        }
+    }
+
+    /// The transpose of `gather_all`, added.
+    fn scatter_all<T: Precision>(&self, fine: &[T], coarse: &mut [T]) {
+        let dim = self.fine.discretization().dim;
+        if let Parents::Lines(lines) = &self.parents {
+            return lines.add_transposed(dim, fine, coarse);
+        }
+        for (node, values) in fine.chunks_exact(dim).enumerate() {
+            self.scatter(node, values, coarse);
+        }
+    }
+
+    /// Coarse unknowns to fine ones, between lattices. Collective.
+    pub fn prolong<T: Precision>(&self, x: &[T], y: &mut [T], u: &mut [T]) {
         let fine = self.fine.discretization();
         let dim = fine.dim;
-        let [u, _] = &mut *self.work.borrow_mut();
         u[..x.len()].copy_from_slice(x);
         self.coarse.expand(u);
-        if self.is_of_file {
-            self.multiply_along_axes(u, y);
-            self.fine.for_identity_components(|own| y[own] = 0.0);
-            return;
-        }
-        for (node, values) in y.chunks_exact_mut(dim).enumerate() {
-            self.gather(node, u, values);
-        }
+        self.gather_all(u, y);
         self.coarse.to_jumps(u);
         for (index, rows) in fine.secondary[..fine.owned_secondary()].iter().enumerate() {
-            let (node, mut jump) = (rows.node as usize, [0.0; 3]);
+            let (node, mut jump) = (rows.node as usize, [T::ZERO; 3]);
             self.gather(node, u, &mut jump[..dim]);
             for c in (0..dim).filter(|c| self.fine.unknown_is_jump(index, *c)) {
                 y[node * dim + c] = jump[c];
             }
         }
-        self.fine.for_identity_components(|own| y[own] = 0.0);
+        self.fine.for_identity_components(|own| y[own] = T::ZERO);
     }
 
-    /// Fine forces to coarse ones.
-    fn multiply_transpose(&self, x: &[f64], y: &mut [f64]) {
+    /// Fine forces to coarse ones, between lattices; the former are used up. Collective.
+    pub fn restrict<T: Precision>(&self, r: &mut [T], y: &mut [T], room: &mut [Vec<T>; 2]) {
         let fine = self.fine.discretization();
         let dim = fine.dim;
-        let [force, on_jumps] = &mut *self.work.borrow_mut();
-        force.fill(0.0);
-        on_jumps.fill(0.0);
-        let r = &mut *self.residual.borrow_mut();
-        r.copy_from_slice(x);
-        self.fine.for_identity_components(|own| r[own] = 0.0);
-        if self.is_of_file {
-            self.spread_along_axes(r, force, on_jumps);
-            self.coarse.fold(force, Some(on_jumps));
-            y.copy_from_slice(&force[..y.len()]);
-            return;
-        }
+        let [force, on_jumps] = room;
+        force.fill(T::ZERO);
+        on_jumps.fill(T::ZERO);
+        self.fine.for_identity_components(|own| r[own] = T::ZERO);
         for (index, rows) in fine.secondary[..fine.owned_secondary()].iter().enumerate() {
-            let (node, mut jump) = (rows.node as usize, [0.0; 3]);
+            let (node, mut jump) = (rows.node as usize, [T::ZERO; 3]);
             for c in (0..dim).filter(|c| self.fine.unknown_is_jump(index, *c)) {
                 jump[c] = std::mem::take(&mut r[node * dim + c]);
             }
             self.scatter(node, &jump[..dim], on_jumps);
         }
-        for (node, values) in r.chunks_exact(dim).enumerate() {
-            self.scatter(node, values, force);
+        self.scatter_all(r, force);
+        self.coarse.fold(force, Some(on_jumps));
+        y.copy_from_slice(&force[..y.len()]);
+    }
+
+    /// Whether it is one between meshes of a file.
+    pub fn is_of_file(&self) -> bool {
+        matches!(self.parents, Parents::Lists(_))
+    }
+
+    /// Unknowns of all local coarse nodes.
+    pub fn coarse_unknowns_held(&self) -> usize {
+        self.coarse.unknowns_held()
+    }
+}
+
+impl LinearOperator for Transfer {
+    /// Coarse unknowns to fine ones.
+    fn multiply(&self, x: &[f64], y: &mut [f64]) {
+        let [u, _] = &mut *self.work.borrow_mut();
+        if !self.is_of_file() {
+            return self.prolong(x, y, u);
         }
+        u[..x.len()].copy_from_slice(x);
+        self.coarse.expand(u);
+        self.multiply_along_axes(u, y);
+        self.fine.for_identity_components(|own| y[own] = 0.0);
+    }
+
+    /// Fine forces to coarse ones.
+    fn multiply_transpose(&self, x: &[f64], y: &mut [f64]) {
+        let room = &mut *self.work.borrow_mut();
+        let r = &mut *self.residual.borrow_mut();
+        r.copy_from_slice(x);
+        if !self.is_of_file() {
+            return self.restrict(r, y, room);
+        }
+        let [force, on_jumps] = room;
+        force.fill(0.0);
+        on_jumps.fill(0.0);
+        self.fine.for_identity_components(|own| r[own] = 0.0);
+        self.spread_along_axes(r, force, on_jumps);
         self.coarse.fold(force, Some(on_jumps));
         y.copy_from_slice(&force[..y.len()]);
     }

@@ -39,6 +39,14 @@ impl KspSetup {
         let owned = |&(name, value): &(&str, &str)| (name.to_string(), value.to_string());
         KspSetup { options: options.iter().map(owned).collect() }
     }
+
+    /// The same with another value of an option.
+    pub fn with(&self, name: &str, value: &str) -> Self {
+        let mut setup = self.clone();
+        setup.options.retain(|(other, _)| other != name);
+        setup.options.push((name.to_string(), value.to_string()));
+        setup
+    }
 }
 
 /// Tolerances of a linear solve, on the 2-norm of the true residual.

@@ -13,6 +13,7 @@ mod options;
 mod session;
 mod shell;
 mod snes;
+mod solver;
 mod vector;
 
 pub use linear::{KspSetup, LinearFailure, LinearReason, LinearTolerance};
@@ -25,4 +26,5 @@ pub use snes::{
     FurtherSolve, NonlinearSystem, Ran, Snes, SnesReason, SolveReport, TangentAt, TangentChange,
     Trial, Verdict,
 };
+pub use solver::LinearSolver;
 pub use vector::{ReadView, Vector, WriteView};

@@ -1,9 +1,12 @@
 //! The nodes of one rank and the exchange of their values.
 
+use mpi::datatype::traits::Equivalence;
+
 use super::Directory;
 use crate::comm::{Comm, Neighbours};
 use crate::error::Result;
 use crate::mesh::{Marks, Places};
+use crate::sparse::Real;
 
 /// Local nodes, owned first (by rising name), then ghosts (by owner, then number).
 pub struct Nodes {
@@ -138,7 +141,7 @@ impl Nodes {
 
     /// Copies the owners' values to the ghosts; `values` holds `width` numbers per local node.
     /// Collective.
-    pub fn update_ghosts(&self, values: &mut [f64], width: usize) {
+    pub fn update_ghosts<T: Equivalence + Copy>(&self, values: &mut [T], width: usize) {
         let (owned, ghosts) = values.split_at_mut(self.owned * width);
         let mut outgoing = Vec::with_capacity(self.shared.len() * width);
         for node in &self.shared {
@@ -148,19 +151,24 @@ impl Nodes {
     }
 
     /// Adds the ghosts' values to the owners' and clears the ghosts. Collective.
-    pub fn add_to_owners(&self, values: &mut [f64], width: usize) {
+    pub fn add_to_owners<T: Equivalence + Real>(&self, values: &mut [T], width: usize) {
         let (owned, ghosts) = values.split_at_mut(self.owned * width);
         self.add_ghosts_to_owners(owned, ghosts, width);
     }
 
     /// As [`Nodes::add_to_owners`], with the two kinds of values apart. Collective.
-    pub fn add_ghosts_to_owners(&self, owned: &mut [f64], ghosts: &mut [f64], width: usize) {
-        let mut incoming = vec![0.0; self.shared.len() * width];
+    pub fn add_ghosts_to_owners<T: Equivalence + Real>(
+        &self,
+        owned: &mut [T],
+        ghosts: &mut [T],
+        width: usize,
+    ) {
+        let mut incoming = vec![T::ZERO; self.shared.len() * width];
         self.backward.exchange_wide(width, ghosts, &mut incoming);
         for (node, value) in self.shared.iter().zip(incoming.chunks_exact(width)) {
             let target = &mut owned[*node as usize * width..][..width];
-            target.iter_mut().zip(value).for_each(|(t, v)| *t += v);
+            target.iter_mut().zip(value).for_each(|(t, v)| *t += *v);
         }
-        ghosts.fill(0.0);
+        ghosts.fill(T::ZERO);
     }
 }

@@ -17,6 +17,13 @@ pub trait Real:
     const ZERO: Self;
     /// Rounded to single precision.
     fn to_single(self) -> f32;
+    /// In double precision.
+    fn to_double(self) -> f64;
+    /// Rounded to this precision.
+    fn from_double(value: f64) -> Self;
+    /// self factor + term, rounded once. Only where [`crate::simd::is_fused`] says that the
+    /// processor does so: the rest calls the C library.
+    fn mul_add(self, factor: Self, term: Self) -> Self;
 }
 
 impl Real for f32 {
@@ -25,6 +32,18 @@ impl Real for f32 {
     fn to_single(self) -> f32 {
         self
     }
+    #[inline(always)]
+    fn to_double(self) -> f64 {
+        f64::from(self)
+    }
+    #[inline(always)]
+    fn from_double(value: f64) -> Self {
+        value as f32
+    }
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        f32::mul_add(self, factor, term)
+    }
 }
 
 impl Real for f64 {
@@ -32,5 +51,17 @@ impl Real for f64 {
     #[inline(always)]
     fn to_single(self) -> f32 {
         self as f32
+    }
+    #[inline(always)]
+    fn to_double(self) -> f64 {
+        self
+    }
+    #[inline(always)]
+    fn from_double(value: f64) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        f64::mul_add(self, factor, term)
     }
 }

@@ -8,6 +8,7 @@
 #![allow(clippy::print_stdout)] // the runner's own report
 
 mod aggregation;
+mod boxes;
 mod comm;
 #[path = "../common/mod.rs"]
 mod common;
@@ -45,6 +46,7 @@ const TESTS: &[Test] = &[
     ("unused_options_are_found", newton::unused_options_are_found),
     ("tangent_by_differences", tangent::tangent_by_differences),
     ("tangent_in_refined_meshes", tangent::tangent_in_refined_meshes),
+    ("boxes_give_the_sum_over_their_cells", boxes::give_the_sum_over_their_cells),
     ("aggregation_of_a_slender_beam", aggregation::of_a_slender_beam),
     ("aggregation_without_couplings", aggregation::without_couplings),
     ("slabs_are_those_read_whole", slabs::are_those_read_whole),
