@@ -11,27 +11,22 @@ use rustix::thread::{sched_yield as give_way, set_current_timer_slack};
 use std::ffi::c_int;
 use std::num::NonZeroU64;
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// A core comes back within a microsecond where nobody else wants it, and takes longer than this
-/// where somebody does, if only another rank that waits.
-const TAKEN: Duration = Duration::from_micros(3);
-/// After so many such times in a row the machine is crowded; single ones are interrupts.
-const IN_A_ROW: u32 = 4;
-/// For how long it is then held to be.
+/// A core that does not come back for so long has been taken by somebody else.
+const TAKEN: Duration = Duration::from_millis(2);
+/// For how long a machine is then held to be crowded.
 const CROWDED: Duration = Duration::from_secs(1);
 /// How long a rank sleeps before it looks again.
-const NAP: Duration = Duration::from_micros(20);
+const NAP: Duration = Duration::from_micros(10);
 /// By how much the kernel may prolong that (ns); by default it is 50 microseconds.
 const SLACK: NonZeroU64 = NonZeroU64::new(1000).expect("not zero");
 
 /// When waiting began to count, and until when after that the machine is crowded (ns).
 static START: OnceLock<Instant> = OnceLock::new();
 static CROWDED_UNTIL: AtomicU64 = AtomicU64::new(0);
-/// How often in a row the core came back late.
-static LATE: AtomicU32 = AtomicU32::new(0);
 
 /// Lets ranks wait in this way. Local.
 pub fn wait_by_naps() {
@@ -52,10 +47,7 @@ extern "C" fn sched_yield() -> c_int {
     }
     give_way();
     let after = start.elapsed();
-    if after - before <= TAKEN {
-        LATE.store(0, Ordering::Relaxed);
-    } else if LATE.fetch_add(1, Ordering::Relaxed) + 1 >= IN_A_ROW {
-        LATE.store(0, Ordering::Relaxed);
+    if after - before > TAKEN {
         CROWDED_UNTIL.store((after + CROWDED).as_nanos() as u64, Ordering::Relaxed);
     }
     0
