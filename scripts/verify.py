@@ -24,7 +24,7 @@ RANKS = (1, 3)
 # Runs at the same time: on one rank a core would be idle, more would fight for the cores.
 TOGETHER = 2
 SOURCE = "# source: "
-TIME_LIMIT = 120
+TIME_LIMIT = 300
 # Expectations with a smaller relative tolerance expect nothing but what rounding and the solver leave.
 ROUNDING = 1.1e-6
 # Part of the tolerance by which what is shown of other values may be off.
