@@ -6,12 +6,10 @@
 mod agreement;
 mod neighbours;
 mod slabs;
-mod waiting;
 
 pub use agreement::{abort, doubt};
 pub use neighbours::Neighbours;
 pub use slabs::{Rows, first_of, keeper_of};
-pub use waiting::wait_by_naps;
 
 use crate::error::Result;
 use mpi::collective::SystemOperation;

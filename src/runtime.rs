@@ -2,7 +2,7 @@
 
 #![allow(unsafe_code)]
 
-use crate::comm::{Comm, abort, wait_by_naps};
+use crate::comm::{Comm, abort};
 use crate::error::{Error, Result};
 use crate::petsc::Petsc;
 use crate::signals;
@@ -39,7 +39,6 @@ impl Runtime {
     /// `System` when MPI or PETSc does not start, `Input` when `options` are no options.
     pub fn start(options: &[String]) -> Result<Self> {
         choose_file_writer();
-        wait_by_naps();
         // A second thread writes files and makes no calls of MPI.
         let universe = mpi::initialize_with_threading(mpi::Threading::Funneled)
             .map(|(universe, _)| universe)
