@@ -32,6 +32,8 @@ fn main() {
             println!("cargo::{line}");
         }
     }
+    // Found by the libraries before that of the C library (src/comm/waiting.rs).
+    println!("cargo::rustc-link-arg=-Wl,--export-dynamic-symbol=sched_yield");
     println!("cargo::rustc-env=COLUMN_HPC_PETSC_VERSION={version}");
     println!("cargo::rustc-env=COLUMN_HPC_GIT={}", git_revision());
     let include: Vec<_> = [petsc.include, mpi, metis.include].concat();

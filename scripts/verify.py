@@ -9,13 +9,17 @@ resolves, and what the page says stays as long as it is true to a tenth of the t
 
 import argparse
 import difflib
+import fcntl
 import json
 import math
+import os
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -25,6 +29,8 @@ RANKS = (1, 3)
 TOGETHER = 2
 SOURCE = "# source: "
 TIME_LIMIT = 300
+# Between two looks whether a core is free (s).
+LOOK = 0.003
 # Expectations with a smaller relative tolerance expect nothing but what rounding and the solver leave.
 ROUNDING = 1.1e-6
 # Part of the tolerance by which what is shown of other values may be off.
@@ -57,6 +63,27 @@ def source_of(path):
     return found[0]
 
 
+@contextmanager
+def cores(ranks):
+    """As many cores as there are ranks, or all, where the tests share them (tests/common/cores.rs)."""
+    count, _, folder = os.environ.get("COLUMN_HPC_TEST_CORES", "0:").partition(":")
+    wanted, taken = min(ranks, int(count)), []
+    with ExitStack() as files:
+        free = [files.enter_context(open(Path(folder) / str(core), "a")) for core in range(int(count))]
+        with open(Path(folder) / "gate", "a") if wanted > 1 else nullcontext() as gate:
+            # One at a time gathers several: two that have half of them each would wait for ever.
+            if gate:
+                fcntl.flock(gate, fcntl.LOCK_EX)
+            while len(taken) < wanted:
+                for core in [core for core in free if core not in taken]:
+                    with suppress(BlockingIOError):
+                        if len(taken) < wanted:
+                            fcntl.flock(core, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                            taken.append(core)
+                time.sleep(LOOK)
+        yield
+
+
 def run(program, case, ranks):
     """The report of a run."""
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as scratch:
@@ -64,7 +91,8 @@ def run(program, case, ranks):
         command = ["mpirun", "-n", str(ranks), "--quiet", program, str(case), "--quiet",
                    "--set", "output.fields=none", "--set", "reduce=never", "--output", str(output)]
         try:
-            done = subprocess.run(command, capture_output=True, text=True, timeout=TIME_LIMIT, check=False)
+            with cores(ranks):
+                done = subprocess.run(command, capture_output=True, text=True, timeout=TIME_LIMIT, check=False)
         except subprocess.TimeoutExpired:
             raise Wrong(f"{case} on {ranks} ranks took longer than {TIME_LIMIT} s") from None
         # 1: an expectation is missed; the page is to show it.

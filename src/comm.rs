@@ -6,10 +6,12 @@
 mod agreement;
 mod neighbours;
 mod slabs;
+mod waiting;
 
 pub use agreement::{abort, doubt};
 pub use neighbours::Neighbours;
 pub use slabs::{Rows, first_of, keeper_of};
+pub use waiting::yield_while_waiting;
 
 use crate::error::Result;
 use mpi::collective::SystemOperation;

@@ -2,7 +2,7 @@
 
 #![allow(unsafe_code)]
 
-use crate::comm::{Comm, abort};
+use crate::comm::{Comm, abort, yield_while_waiting};
 use crate::error::{Error, Result};
 use crate::petsc::Petsc;
 use crate::signals;
@@ -40,6 +40,7 @@ impl Runtime {
     /// `System` when MPI or PETSc does not start, `Input` when `options` are no options.
     pub fn start(options: &[String]) -> Result<Self> {
         choose_file_writer();
+        yield_while_waiting();
         // A second thread writes files and makes no calls of MPI.
         let universe = mpi::initialize_with_threading(mpi::Threading::Funneled)
             .map(|(universe, _)| universe)

@@ -231,6 +231,7 @@ impl Desk {
         let program = Path::new(env!("CARGO_BIN_EXE_column-hpc"));
         let mut path = vec![program.parent().expect("a directory").to_owned()];
         path.extend(env::split_paths(&env::var_os("PATH").unwrap_or_default()));
+        let _cores = common::Cores::wait(2);
         let output = Command::new("timeout")
             .args([TIME_LIMIT, "bash", "-c", &format!("exec 2>&1\n{command}")])
             .current_dir(&self.0)

@@ -1,5 +1,8 @@
 //! `docs/verification.md` is what the program gives now.
 
+#[allow(dead_code)] // this program uses a part of it
+mod common;
+
 use std::path::Path;
 use std::process::Command;
 
@@ -9,6 +12,7 @@ fn verify(option: &str) {
     let output = Command::new(script)
         .arg(option)
         .env("COLUMN_HPC", env!("CARGO_BIN_EXE_column-hpc"))
+        .envs([common::Cores::variable()])
         .output()
         .expect("bash and python3 run the script");
     assert!(

@@ -7,7 +7,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
 /// The program.
@@ -16,36 +15,8 @@ pub const PROGRAM: &str = env!("CARGO_BIN_EXE_column-hpc");
 /// A launch alone takes seconds; beside other work on the machine it may wait for a core.
 const LIMIT: Duration = Duration::from_secs(120);
 
-/// Launches at the same time: they wait for the start and the end of their ranks a third of their
-/// time; more would fight for the cores.
-const MOST_LAUNCHES: usize = 3;
-
 /// The linear solvers that are compared.
 pub const SOLVERS: [&str; 5] = ["mumps", "gamg", "hypre", "multigrid", "aggregation"];
-
-static LAUNCHES: Mutex<usize> = Mutex::new(0);
-static ENDED: Condvar = Condvar::new();
-
-/// One of the launches that may run at the same time, until it is dropped.
-struct Turn;
-
-impl Turn {
-    fn wait() -> Self {
-        let launches = LAUNCHES.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut launches = ENDED
-            .wait_while(launches, |running| *running >= MOST_LAUNCHES)
-            .unwrap_or_else(PoisonError::into_inner);
-        *launches += 1;
-        Turn
-    }
-}
-
-impl Drop for Turn {
-    fn drop(&mut self) {
-        *LAUNCHES.lock().unwrap_or_else(PoisonError::into_inner) -= 1;
-        ENDED.notify_one();
-    }
-}
 
 /// A case and what of it is changed.
 #[derive(Clone)]
@@ -137,7 +108,6 @@ impl Scene {
         args.extend(self.words(directory));
         args.extend(more.iter().map(|word| (*word).to_owned()));
         let args: Vec<&str> = args.iter().map(String::as_str).collect();
-        let _turn = Turn::wait();
         mpirun_within(LIMIT, ranks, "env", &args)
     }
 
@@ -205,10 +175,7 @@ impl Scene {
         args.extend(self.sets.iter().flat_map(|s| ["--set".to_string(), s.clone()]));
         let args: Vec<&str> = args.iter().map(String::as_str).collect();
         let program = if self.scattered { "env" } else { PROGRAM };
-        let output = {
-            let _turn = Turn::wait();
-            mpirun_within(LIMIT, ranks, program, &args)
-        };
+        let output = mpirun_within(LIMIT, ranks, program, &args);
         let screen = String::from_utf8_lossy(&output.stdout).into_owned();
         if output.status.code() != Some(0) {
             let complaint = String::from_utf8_lossy(&output.stderr);

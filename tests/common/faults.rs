@@ -79,6 +79,7 @@ pub fn watch_within(
 ) -> Ended {
     let [out, err] = ["stdout", "stderr"].map(|name| folder.join(name));
     let file = |path: &Path| Stdio::from(fs::File::create(path).expect("a folder of ours"));
+    let _cores = crate::common::Cores::wait(ranks);
     let start = Instant::now();
     let mut launcher = Command::new("mpirun")
         .args(["-n", &ranks.to_string(), "--quiet", PROGRAM])

@@ -1,5 +1,9 @@
 //! Launches programs under `mpirun`, with a time limit.
 
+mod cores;
+
+pub use cores::Cores;
+
 use std::io::Read;
 use std::process::{Child, Command, Output, Stdio};
 use std::thread;
@@ -10,13 +14,15 @@ pub const TIME_LIMIT: Duration = Duration::from_secs(180);
 
 /// Runs `program` with `args` on `ranks` ranks and returns what it wrote and its status.
 ///
-/// A launch that takes longer than [`TIME_LIMIT`] is ended, and the panic names it.
+/// It waits until other tests leave it its [`Cores`]. A launch that takes longer from then on than
+/// [`TIME_LIMIT`] is ended, and the panic names it.
 pub fn mpirun(ranks: usize, program: &str, args: &[&str]) -> Output {
     mpirun_within(TIME_LIMIT, ranks, program, args)
 }
 
 /// As [`mpirun`], with a time limit of its own.
 pub fn mpirun_within(limit: Duration, ranks: usize, program: &str, args: &[&str]) -> Output {
+    let _cores = Cores::wait(ranks);
     let mut child = Command::new("mpirun")
         .args(["-n", &ranks.to_string(), "--quiet", program])
         .args(args)

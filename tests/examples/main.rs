@@ -65,6 +65,7 @@ fn run(part: &str, ranks: usize, place: &Path, args: &[&str]) -> Output {
     if ranks > 1 {
         return common::mpirun(ranks, "env", &words);
     }
+    let _cores = common::Cores::wait(1);
     let mut command = Command::new("env");
     command.args(words).envs(common::environment()).output().expect("env is everywhere")
 }

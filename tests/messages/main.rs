@@ -80,6 +80,7 @@ impl Folder {
         let before = ["-C", folder, PROGRAM];
         let all: Vec<&str> = before.iter().chain(args).copied().collect();
         let output = if ranks == 1 {
+            let _cores = common::Cores::wait(1);
             let mut alone = Command::new("env");
             alone.args(&all).envs(common::environment()).output().expect("env")
         } else {

@@ -153,6 +153,7 @@ fn launch(ranks: usize, args: &[String], place: &Path) -> (Option<i32>, String) 
     let said = place.join("stderr");
     let errors = fs::File::create(&said).expect("the place is writable");
     let screen = fs::File::create(place.join("stdout")).expect("the place is writable");
+    let _cores = crate::common::Cores::wait(ranks);
     let mut child = command
         .args(args)
         .envs(crate::common::environment())
