@@ -11,7 +11,7 @@ use crate::petsc::{Matrix, ReadView, ffi};
 use std::ptr;
 
 /// The state that a linear solve leads to is tried when the residual has fallen by this, and again
-/// each time it has fallen by the second.
+/// each time it has fallen by the second or to what the trial before asked for.
 const TRIAL: [f64; 2] = [1e-2, 1e-3];
 
 /// A linear residual that has grown to this times the right-hand side will not come back.
@@ -148,8 +148,7 @@ impl<S: NonlinearSystem> Context<'_, S> {
         if norm > DIVERGED * rhs {
             return Ok(ffi::KSP_DIVERGED_DTOL);
         }
-        let reached = norm <= target;
-        if norm <= self.next_trial && !reached {
+        if norm <= self.next_trial {
             self.next_trial = TRIAL[1] * norm;
             // SAFETY: by the contract.
             match unsafe { self.try_state(ksp, norm) }? {
@@ -158,6 +157,7 @@ impl<S: NonlinearSystem> Context<'_, S> {
                 Trial::GoOn(Some(tolerance)) => {
                     self.set_tolerances(tolerance)?;
                     target = self.ksp.tolerances()?.target(rhs);
+                    self.next_trial = self.next_trial.max(target);
                 }
             }
         }

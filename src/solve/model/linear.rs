@@ -262,29 +262,39 @@ pub struct LinearTarget {
     tolerance: f64,
 }
 
-/// Part of the nonlinear tolerance that a linear solve may use up.
+/// Part of the nonlinear tolerance that a linear solve may use up whose state is not tried.
 const SHARE: f64 = 0.05;
+/// The same where its state is tried.
+const SHARE_OF_TRIED: f64 = 0.025;
 /// Of this share, what the solve aims at: its errors need not fall evenly.
 const MARGIN: f64 = 0.5;
+/// Where rounding leaves no more digits to find, this part of the nonlinear tolerance is enough.
+const SHARE_OF_ROUNDING: f64 = 0.5;
 /// A linear solve stops when the residual of the state it leads to is this many times its own.
 const NONLINEAR: f64 = 10.0;
 /// Reduction of the residual while no force scale is known yet, and never more than this.
 const SMALLEST_REDUCTION: f64 = 1e-13;
 
 impl LinearTarget {
+    /// Until a trial tells what is enough.
+    pub const UNTRIED: LinearTolerance =
+        LinearTolerance { relative: SMALLEST_REDUCTION, absolute: 0.0 };
+
     /// For the relative `tolerance` of the nonlinear test.
     pub fn new(tolerance: f64) -> Self {
         Self { tolerance }
     }
 
-    /// What a linear solve does that stands at a residual of 2-norm `norm`, when the state it leads
-    /// to has a residual of norm `reached` and is `excess` times the nonlinear tolerance away from
-    /// a solution: the errors fall with the residual as long as it is the linear one.
-    pub fn trial(&self, norm: f64, reached: f64, excess: f64) -> Trial {
-        if !excess.is_finite() || (reached > NONLINEAR * norm && excess > SHARE) {
+    /// What a linear solve does that stands at a residual of 2-norm `norm`, of which `rounding` may
+    /// be rounding, when the state it leads to has a residual of norm `reached` and is `excess`
+    /// times the nonlinear tolerance away from a solution: the errors fall with the residual as
+    /// long as it is the linear one, if not evenly. So what is aimed at is tried again.
+    pub fn trial(&self, [norm, rounding]: [f64; 2], reached: f64, excess: f64) -> Trial {
+        let share = if norm <= rounding { SHARE_OF_ROUNDING } else { SHARE_OF_TRIED };
+        if !excess.is_finite() || (reached > NONLINEAR * norm && excess > share) {
             return Trial::Relinearise;
         }
-        let absolute = MARGIN * norm * SHARE / excess.max(f64::MIN_POSITIVE);
+        let absolute = if excess <= share { norm } else { MARGIN * norm * SHARE_OF_TRIED / excess };
         Trial::GoOn(Some(LinearTolerance { relative: SMALLEST_REDUCTION, absolute }))
     }
 

@@ -156,29 +156,39 @@ impl Convergence {
         (0..count).map(|i| holds.iter().skip(i).step_by(count).any(|h| *h == 0.0)).collect()
     }
 
+    /// What forces of the last evaluated state are measured by (N).
+    pub fn force_scale(&self) -> f64 {
+        self.current.force.max(self.accepted[0])
+    }
+
+    /// What rounding may leave of the forces at a node in the last evaluated state (N).
+    pub fn rounding(&self) -> f64 {
+        rounding(self.current.cancelling)
+    }
+
     /// How far the last evaluated state is from a solution, over the tolerance; not finite where it
-    /// makes no sense. `worst` as in [`Iterate`]. Collective.
+    /// makes no sense. `worst` as in [`Iterate`], measured by `force_scale` (N). Collective.
     pub fn excess(
         &self,
         comm: &Comm,
         all: &Discretization,
         interfaces: &InterfaceState,
-        worst: Worst,
+        (worst, force_scale): (Worst, f64),
     ) -> f64 {
-        let m = self.measure(comm, all, interfaces, worst);
+        let m = self.measure(comm, all, interfaces, (worst, force_scale));
         m.out_of_balance.max(m.largest) / self.tolerance
     }
 
-    /// The errors of the last evaluated state, field by field, over their scales. Collective.
+    /// The errors of the last evaluated state, field by field, over their scales, that of forces as
+    /// given. Collective.
     fn measure(
         &self,
         comm: &Comm,
         all: &Discretization,
         interfaces: &InterfaceState,
-        worst: Worst,
+        (worst, force_scale): (Worst, f64),
     ) -> Measure {
         let scales = self.current;
-        let force_scale = scales.force.max(self.accepted[0]);
         let displacement_scale = scales.displacement.max(self.accepted[1]);
         let mut defect = vec![Worst::default(); interfaces.laws.len()];
         for (index, response) in interfaces.response.iter().enumerate() {
@@ -213,7 +223,7 @@ impl Convergence {
     ) -> Result<Verdict> {
         let branches = self.see_branches(all, interfaces);
         let Iterate { corrections, norm, worst, control } = iterate;
-        let errors = self.measure(comm, all, interfaces, worst);
+        let errors = self.measure(comm, all, interfaces, (worst, self.force_scale()));
         let Measure { out_of_balance, largest, .. } = errors;
         let broken = errors.not_a_number();
         if broken.is_some() || !norm.is_finite() {

@@ -4,6 +4,7 @@
 //! linear system of the condensed form (docs/theory.md), whose solution becomes a direction in the
 //! displacements by [`NonlinearSystem::direction`](crate::petsc::NonlinearSystem::direction).
 
+mod areas;
 pub mod block_tangent;
 pub(in crate::solve) mod condensed;
 pub(in crate::solve) mod convergence;
@@ -39,9 +40,10 @@ use crate::solve::guess::rigid::RigidMotions;
 use crate::solve::model::interfaces::InterfaceState;
 use crate::solve::model::linear::LinearTarget;
 use crate::timers::Timers;
+use areas::Areas;
 use block_tangent::BlockTangent;
 use convergence::{Convergence, Iterate};
-use measure::Worst;
+use measure::{Worst, rounding};
 use path::PathControl;
 
 /// How the tangent of the condensed form is held.
@@ -76,6 +78,7 @@ pub struct Problem<'a> {
     diagonal: f64,
     /// The largest stiffness of each owned node (N/m).
     stiffness: Vec<f64>,
+    areas: Areas,
     /// Displacements of all local nodes at the last evaluated state (m).
     pub displacement: Vec<f64>,
     /// Load of this rank's cells at the target time, per local node, not summed (N).
@@ -184,6 +187,7 @@ impl<'a> Problem<'a> {
             form,
             diagonal,
             stiffness,
+            areas: Areas::new(comm, &all, mesh.order),
             displacement: vec![0.0; components],
             load: vec![0.0; components],
             pore_force: Vec::new(),
@@ -301,7 +305,7 @@ impl<'a> Problem<'a> {
         Ok(self.residual_norm)
     }
 
-    /// The largest out-of-balance nodal force in a residual. Local.
+    /// The largest out-of-balance nodal force in a residual, as [`Areas`] count it. Local.
     fn worst_force(&self, f: &[f64]) -> Worst {
         let (all, dim) = (&self.all, self.all.dim);
         let mut worst = Worst::default();
@@ -311,7 +315,10 @@ impl<'a> Problem<'a> {
             // The rows of stuck components hold a displacement, which the jumps judge.
             let force = f[node * dim..][..dim].iter().zip(stuck).filter(|(_, stuck)| !stuck);
             let length = force.map(|(f, _)| f * f).sum::<f64>().sqrt();
-            worst.see(length, all.nodes.names[node]);
+            let moved = self.displacement[node * dim..][..dim].iter();
+            let moved = moved.fold(0.0, |m: f64, u| m.max(u.abs()));
+            let rounding = rounding(self.stiffness[node] * moved);
+            worst.see(self.areas.count(node, length, rounding), all.nodes.names[node]);
         }
         worst
     }

@@ -9,6 +9,7 @@ use crate::fault;
 use crate::petsc::{
     FurtherSolve, LinearTolerance, Matrix, NonlinearSystem, Petsc, TangentChange, Trial, Verdict,
 };
+use crate::solve::model::linear::LinearTarget;
 use crate::timers::Phase;
 
 /// Corrections that do not halve the residual, after which linear solves go on to their end.
@@ -136,13 +137,7 @@ impl NonlinearSystem for Problem<'_> {
     }
 
     fn trial(&mut self, correction: &[f64], norm: f64) -> Result<Trial> {
-        if self.path.is_some() {
-            // The correction is not yet the whole one.
-            return Ok(Trial::GoOn(None));
-        }
-        // The symmetric part alone leads elsewhere; and corrections that are broken off early can
-        // lead round in circles.
-        if self.stall.1 >= MOST_STALLED || self.is_skew {
+        if !self.is_tried() {
             return Ok(Trial::GoOn(None));
         }
         if self.decides_order() && norm > DIGITS_OF_ORDER * self.judged_norm {
@@ -157,16 +152,21 @@ impl NonlinearSystem for Problem<'_> {
         let response = self.interfaces.response.clone();
         let scales = self.convergence.current();
         let mut f = vec![0.0; x.len()];
-        // The scale of the accepted states, once there is one, only makes the trial stricter.
-        self.evaluate(&x, &mut f, self.convergence.accepted_force() == 0.0);
+        // By its own scale: with displacements prescribed anew that of the linearised state is as
+        // much larger as the cells there are smaller than the body.
+        self.evaluate(&x, &mut f, true);
         let mut sums = [f.iter().map(|f| f * f).sum::<f64>()];
         self.comm.sum(&mut sums);
         let worst = self.worst_force(&f);
-        let excess = self.convergence.excess(self.comm, &self.all, &self.interfaces, worst);
+        let traction = self.interfaces.largest_traction(self.comm);
+        let scale = self.areas.scale(traction, self.convergence.force_scale());
+        let (comm, all, state) = (self.comm, &self.all, &self.interfaces);
+        let excess = self.convergence.excess(comm, all, state, (worst, scale));
+        let rounding = self.convergence.rounding();
         self.convergence.see_again(scales);
         self.exchange_with_spare();
         self.interfaces.response = response;
-        Ok(self.linear.trial(norm, sums[0].sqrt(), excess))
+        Ok(self.linear.trial([norm, rounding], sums[0].sqrt(), excess))
     }
 
     fn initial_guess(&mut self, rhs: &[f64], guess: &mut [f64]) -> Result<()> {
@@ -204,17 +204,28 @@ impl NonlinearSystem for Problem<'_> {
     }
 
     fn linear_tolerance(&mut self, _iteration: usize, norm: f64) -> LinearTolerance {
+        if self.is_tried() {
+            return LinearTarget::UNTRIED;
+        }
         let mut scale = self.convergence.accepted_force();
         if scale == 0.0 && self.path.as_ref().is_some_and(PathControl::follows) {
             // The path starts where the first point gives way, under forces that no step has
             // accepted yet.
             scale = self.convergence.current().force;
         }
-        self.linear.tolerance(norm, scale)
+        self.linear.tolerance(norm, self.areas.strictest() * scale)
     }
 }
 
 impl Problem<'_> {
+    /// Whether the states that the running linear solve leads to are of use to it. Local: the same
+    /// on all ranks.
+    fn is_tried(&self) -> bool {
+        // On a path the correction is not yet the whole one. The symmetric part alone leads
+        // elsewhere; and corrections that are broken off early can lead round in circles.
+        self.path.is_none() && self.stall.1 < MOST_STALLED && !self.is_skew
+    }
+
     /// The tangent in blocks as a matrix of PETSc; none of another form. Collective.
     ///
     /// # Errors

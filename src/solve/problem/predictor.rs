@@ -141,7 +141,8 @@ impl Problem<'_> {
             Prediction::Past | Prediction::Free => return false,
             Prediction::Due => {
                 let (all, state) = (&self.all, &self.interfaces);
-                if self.convergence.excess(self.comm, all, state, worst) <= 1.0 {
+                let measured = (worst, self.convergence.force_scale());
+                if self.convergence.excess(self.comm, all, state, measured) <= 1.0 {
                     return false;
                 }
                 None
