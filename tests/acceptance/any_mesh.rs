@@ -74,8 +74,8 @@ fn check(run: &Run) {
         for statistic in ["min", "max", "mean"] {
             let found = run.column(&format!("joint.{name}.{statistic}"));
             for (found, exact) in found.iter().zip(exact) {
-                let apart = (found - exact).abs();
-                assert!(apart <= 1e-9 * exact.abs() + zero, "{}: {name} {found}", run.label);
+                let allowed = if *exact == 0.0 { zero } else { 1e-9 * exact.abs() };
+                assert!((found - exact).abs() <= allowed, "{}: {name} {found}", run.label);
             }
         }
     };
@@ -87,7 +87,8 @@ fn check(run: &Run) {
         for (i, axis) in ["x", "y", "z"].iter().enumerate() {
             let force = run.column(&format!("joint.force_{axis}"))[t];
             let exact = TURN[i][2] * TRACTION[t];
-            assert!((force - exact).abs() <= 1e-9 * exact.abs() + 1e-3, "{}: {force}", run.label);
+            let allowed = if exact == 0.0 { 1e-3 } else { 1e-9 * exact.abs() };
+            assert!((force - exact).abs() <= allowed, "{}: {force}", run.label);
         }
     }
     let dissipated = run.column("energy.dissipated")[7];
@@ -129,6 +130,15 @@ fn tetrahedra_that_do_not_match() {
     let is_told = |words: &String| words.starts_with("mesh: ") && words.contains("raise_order");
     assert!(told.iter().any(is_told), "{told:?}");
     check(&scene.scattered().on(3));
+}
+
+/// Iterations leave errors of forces: the digits of tractions that have fallen to a tenth, at
+/// corners of little area, need more than those of the largest force.
+#[test]
+fn tetrahedra_that_do_not_match_by_iterations() {
+    let scene = column("tet4-apart", APART);
+    check(&scene.set("solver.linear=gamg").on(1));
+    check(&scene.set("solver.linear=aggregation").on(1));
 }
 
 #[test]

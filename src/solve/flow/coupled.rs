@@ -229,7 +229,7 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         let fluid = self.coupling.flow.force_scale() / STRICTER;
         let both = [force, fluid].into_iter().filter(|scale| *scale > 0.0);
         let scale = both.fold(f64::INFINITY, f64::min).min(f64::MAX);
-        let tolerance = problem.linear.tolerance(norm, scale);
+        let tolerance = problem.linear.tolerance(norm, problem.areas.least() * scale);
         if self.coupling.blocks.is_coupled() {
             return LinearTolerance { relative: REDUCTION, ..tolerance };
         }

@@ -78,7 +78,8 @@ pub struct Problem<'a> {
     diagonal: f64,
     /// The largest stiffness of each owned node (N/m).
     stiffness: Vec<f64>,
-    areas: Areas,
+    /// How forces at nodes of interfaces count.
+    pub(super) areas: Areas,
     /// Displacements of all local nodes at the last evaluated state (m).
     pub displacement: Vec<f64>,
     /// Load of this rank's cells at the target time, per local node, not summed (N).

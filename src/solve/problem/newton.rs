@@ -213,7 +213,7 @@ impl NonlinearSystem for Problem<'_> {
             // accepted yet.
             scale = self.convergence.current().force;
         }
-        self.linear.tolerance(norm, self.areas.strictest() * scale)
+        self.linear.tolerance(norm, self.areas.least() * scale)
     }
 }
 
