@@ -26,8 +26,8 @@ enum Source {
     /// The mesh of a file: what is known of it, and on the rank that read it the mesh itself, after
     /// the coarser ones that multigrid asks for, coarsest first.
     Whole(Box<MeshFacts>, Vec<WholeMesh>),
-    /// The mesh of a file that no rank has whole: the part of this rank, and on the root the cells
-    /// behind surfaces and interfaces.
+    /// The mesh of a file that no rank has whole: the part of this rank, and on the root, where
+    /// there are interfaces, the cells behind these and surfaces.
     Slabs(Box<LocalMesh>, Option<Box<WholeMesh>>),
 }
 
@@ -72,7 +72,7 @@ impl MeshFamily {
     }
 
     /// The mesh of a file of which this rank has a part; `behind` are the cells behind surfaces and
-    /// interfaces, on the root.
+    /// interfaces, on the root, where there are interfaces.
     pub fn in_slabs(part: LocalMesh, behind: Option<WholeMesh>, remarks: Vec<String>) -> Self {
         Self { source: Source::Slabs(Box::new(part), behind.map(Box::new)), remarks }
     }

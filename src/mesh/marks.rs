@@ -70,6 +70,11 @@ impl Marks {
         Self { body: body as u32, is_junction: false, surfaces, lip: lip as u32 }
     }
 
+    /// The same in another body.
+    pub(super) fn in_body(self, body: u32) -> Self {
+        Self { body, ..self }
+    }
+
     /// Whether the node lies on a surface.
     pub fn is_on(&self, surface: SurfaceBit) -> bool {
         match surface {

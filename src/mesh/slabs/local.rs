@@ -3,8 +3,11 @@
 use super::skeleton::Star;
 use crate::element::Shape;
 use crate::mesh::parts::BarePart;
-use crate::mesh::whole::WholeFacet;
+use crate::mesh::whole::{WholeFacet, WholeMesh};
 use crate::mesh::{Directions, Facet, FarFacet, LocalMesh, Marks, MeshFacts, Places};
+
+/// Nodes whose bodies are given back together once they are told.
+const AT_ONCE: usize = 1 << 16;
 
 /// The cells of a rank.
 pub struct Part {
@@ -32,21 +35,23 @@ impl Part {
 }
 
 impl LocalMesh {
-    /// The part of a rank of a mesh of which these things are known.
-    pub fn of_part(part: Part, facts: MeshFacts, star: &Star) -> Self {
-        let Part { cells, shapes, materials, mut nodes, start, connectivity, bodies } = part;
+    /// The part of a rank of a mesh of which these things are known, without marks, which are still
+    /// to be put in; and the cells behind surfaces and interfaces, where there are interfaces.
+    pub fn of_part(
+        part: Part,
+        facts: MeshFacts,
+        star: Star,
+        directions: Directions,
+    ) -> (Self, Marking, Option<WholeMesh>) {
+        let Part { cells, shapes, materials, nodes, start, connectivity, bodies } = part;
         // What takes memory for a moment comes before what stays.
-        let (of_star, far) = (star.mesh.marks(), star.mesh.far_facets());
-        let directions = star.directions(&nodes.names);
-        let marks = |body: &u32| Marks::new(*body as usize, star.surfaces_of_all(), None);
-        nodes.marks = bodies.iter().map(marks).collect();
-        for (name, marks) in star.nodes.iter().zip(of_star) {
-            if let Some(place) = nodes.number(u64::from(*name)) {
-                nodes.marks[place] = marks;
-                nodes.marks[place].body = bodies[place];
-            }
-        }
+        let marking = Marking {
+            bodies: bodies.chunks(AT_ONCE).map(<[u32]>::to_vec).collect(),
+            on_all: star.surfaces_of_all(),
+            told: star.marks_at(&nodes),
+        };
         drop(bodies);
+        let far = star.mesh.far_facets();
         let bare = BarePart { cells, materials, start, connectivity, nodes };
         let mut mesh = Self::bare(facts, bare, each(&shapes));
         let cells = std::mem::take(&mut mesh.cells);
@@ -58,7 +63,32 @@ impl LocalMesh {
         mesh.add_groups(&star.mesh, &far, &own, &|far| star.far_facet(far));
         mesh.cells = cells;
         mesh.directions = directions;
-        mesh
+        let behind = Some(star.mesh).filter(|mesh| !mesh.interfaces.is_empty());
+        (mesh, marking, behind)
+    }
+}
+
+/// The marks of the nodes of a part, before they take the memory that they take in the end.
+pub struct Marking {
+    /// The bodies of the nodes.
+    bodies: Vec<Vec<u32>>,
+    /// The bits of the surfaces that are every node.
+    on_all: u128,
+    /// The marks of nodes that have others, with their places.
+    told: Vec<(u32, Marks)>,
+}
+
+impl Marking {
+    /// Puts the marks into the part.
+    pub fn mark(self, mesh: &mut LocalMesh) {
+        let marks = &mut mesh.nodes.marks;
+        marks.reserve_exact(mesh.nodes.names.len());
+        let plain = |body: u32| Marks::new(body as usize, self.on_all, None);
+        marks.extend(self.bodies.into_iter().flatten().map(plain));
+        for (place, told) in self.told {
+            let known = &mut marks[place as usize];
+            *known = told.in_body(known.body);
+        }
     }
 }
 
@@ -68,6 +98,18 @@ fn each(shapes: &[(Shape, usize)]) -> impl Iterator<Item = Shape> {
 }
 
 impl Star {
+    /// The marks, but for the body, of its nodes that are among others and lie on something that
+    /// not all do, with the places there.
+    fn marks_at(&self, nodes: &Places) -> Vec<(u32, Marks)> {
+        let plain = Marks::new(0, self.surfaces_of_all(), None);
+        let of_all = self.nodes.iter().zip(self.mesh.marks());
+        let told = of_all.filter(|(_, marks)| marks.in_body(0) != plain);
+        let here = told.filter_map(|(name, marks)| {
+            nodes.number(u64::from(*name)).map(|place| (place as u32, marks))
+        });
+        here.collect()
+    }
+
     /// The bits of the surfaces that are every node.
     fn surfaces_of_all(&self) -> u128 {
         let all = self.is_all.iter().enumerate().filter(|(_, is_all)| **is_all);
@@ -83,8 +125,8 @@ impl Star {
         far
     }
 
-    /// Those at nodes of these rising names, by place.
-    fn directions(&self, names: &[u64]) -> Directions {
+    /// Normals and middles of edges at nodes of these rising names, by place.
+    pub fn directions(&self, names: &[u64]) -> Directions {
         self.mesh.directions().named(&self.nodes).of_nodes(names)
     }
 }

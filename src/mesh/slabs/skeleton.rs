@@ -118,6 +118,7 @@ pub fn nodes_of(head: &Head, request: &Request, of_cells: &[u32]) -> Vec<u32> {
     if nodes.last() == Some(&u32::MAX) {
         nodes.pop();
     }
+    nodes.shrink_to_fit();
     nodes
 }
 
@@ -253,6 +254,7 @@ impl Skeleton {
         names.extend(cut.origins.iter().copied().chain(copies));
         names.sort_unstable();
         names.dedup();
+        names.shrink_to_fit();
         names
     }
 

@@ -162,5 +162,6 @@ fn normals_of_sides(view: View<'_>, plan: &Plan) -> Vec<(u32, [f64; 3])> {
 pub fn sorted(mut nodes: Vec<u32>) -> Vec<u32> {
     nodes.sort_unstable();
     nodes.dedup();
+    nodes.shrink_to_fit();
     nodes
 }

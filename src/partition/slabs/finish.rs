@@ -1,6 +1,5 @@
 //! From the cells that the ranks have read to the part of each.
 
-use super::File;
 use super::bodies::bodies_before;
 use super::cells::{Cell, Cells};
 use super::curve::Curve;
@@ -10,6 +9,7 @@ use super::naming::Naming;
 use super::part::Finish;
 use super::pieces::Work;
 use super::placed::Placed;
+use super::runs::Runs;
 use super::share::share;
 use super::shared::Read;
 use super::spread::{Held, spread};
@@ -17,6 +17,7 @@ use crate::case::Case;
 use crate::comm::Comm;
 use crate::element::Shape;
 use crate::error::Result;
+use crate::mesh::import::Pieces;
 use crate::mesh::slabs::{Behind, Head, Numbers, Skeleton, nodes_of};
 use crate::mesh::whole::{Request, is_stiff, locking, orphans_of_cells, raised};
 use crate::mesh::{LocalMesh, MeshFamily};
@@ -34,11 +35,13 @@ pub fn family(
     request: &Request,
     method: Method,
     read: Read,
-    file: File<'_>,
+    file: Box<dyn Pieces>,
 ) -> Result<MeshFamily> {
     let Read { head, cells, homes, points, ends, orphans } = read;
     let mut said = file.remarks(orphans[0], &head.groups, &head.counts);
     said.extend(orphans_of_cells(orphans[1] as usize));
+    // A file that is open takes memory.
+    drop(file);
     give_back_memory();
     let skeleton = skeleton(comm, &head, request, &homes, (&cells, &points))?;
     let curve = Curve::new(comm, &homes, &cells, &points, ends);
@@ -57,34 +60,52 @@ pub fn family(
     let bodies = bodies_before(comm, &homes, &held, &work)?;
     let is_raised = request.raise_order == Some(2);
     let shapes = head.shapes(is_raised)?;
-    let raised_start = starts(&head, &held, &shapes);
-    let start = raised_start.as_deref().unwrap_or(&held.start);
+    let raised = raised_runs(&head, &held, &shapes);
+    let runs = raised.as_ref().unwrap_or(&held.runs);
     give_back_memory();
-    comm.agree(work.make(&head, &held, start, is_raised, &skeleton.cuts()))?;
+    comm.agree(work.make(&head, &held, runs, is_raised, &skeleton.cuts()))?;
     give_back_memory();
-    let naming = Naming::new(comm, &homes, &head, &head.centres(is_raised)?, &mut work)?;
+    let mut naming = Naming::new(comm, &homes, &head, &head.centres(is_raised)?, &mut work)?;
     said.extend(remarks(&head, &shapes, is_raised));
-    said.extend(skeleton.remarks.iter().cloned());
-    let (between, bodies_before) = (skeleton.between(), bodies.1);
-    let placed = Placed::new((&head, &naming), held, work, raised_start, bodies.0);
+    let placed = Placed::new((&head, &naming), held, work, raised, bodies.0);
+    naming.forget_keys();
     give_back_memory();
+    let asked = (case, request, ends[0], bodies.1);
+    finish(comm, asked, (head, naming, shapes), (placed, skeleton), said)
+}
+
+/// Makes the part of each rank of its cells. Collective.
+fn finish(
+    comm: &Comm,
+    (case, request, low, bodies): (&Case, &Request, [f64; 3], usize),
+    (head, naming, shapes): (Head, Naming, Vec<Shape>),
+    (placed, skeleton): (Placed, Skeleton),
+    mut said: Vec<String>,
+) -> Result<MeshFamily> {
+    said.extend(skeleton.remarks.iter().cloned());
+    let between = skeleton.between();
     let finish = Finish { comm, head: &head, shapes: &shapes, naming: &naming };
     let cut = finish.cut(&placed, &skeleton.names)?;
     let mut star = comm.agree(skeleton.finish(request, &cut))?;
     comm.agree(star.add_connected(case))?;
     said.append(&mut star.mesh.remarks);
+    let directions = star.directions(&placed.nodes.names);
     let nodes = (&placed.nodes, &placed.shortest[..], naming.uncut());
-    doubled::check(comm, nodes, ends[0], &star.between(&cut))?;
-    if bodies_before > 1 {
-        finish.touching(&placed, &between, is_raised)?;
+    doubled::check(comm, nodes, low, &star.between(&cut))?;
+    if bodies > 1 {
+        finish.touching(&placed, &between, request.raise_order == Some(2))?;
     }
     drop(cut);
-    let (part, body_count) = placed.part(comm, (&head, &naming), &shapes, bodies_before)?;
+    let (part, body_count) = placed.part(comm, &naming, &shapes, bodies)?;
     give_back_memory();
     let facts = finish.facts(case, &part, &mut star, body_count)?;
+    drop((head, naming));
     give_back_memory();
-    let mesh = LocalMesh::of_part(part, facts, &star);
-    Ok(MeshFamily::in_slabs(mesh, comm.is_root().then_some(star.mesh), said))
+    let (mut mesh, marking, behind) = LocalMesh::of_part(part, facts, star, directions);
+    let behind = behind.filter(|_| comm.is_root());
+    give_back_memory();
+    marking.mark(&mut mesh);
+    Ok(MeshFamily::in_slabs(mesh, behind, said))
 }
 
 /// The cells behind surfaces and interfaces of all ranks. Collective.
@@ -126,20 +147,11 @@ fn skeleton(
     comm.agree(Skeleton::new(head, request, [names, sets, nodes], (needed, places)))
 }
 
-/// The first node of each own cell after raising, and the end; none where no kind is raised.
-fn starts(head: &Head, held: &Held, shapes: &[Shape]) -> Option<Vec<u32>> {
+/// Where the nodes of own cells stand after raising; none where no kind is raised.
+fn raised_runs(head: &Head, held: &Held, shapes: &[Shape]) -> Option<Runs> {
     let mut kinds = head.kinds.iter().zip(shapes);
-    if kinds.all(|(range, shape)| range.kind.nodes() == shape.nodes()) {
-        return None;
-    }
-    let mut start = Vec::with_capacity(held.cells.len() + 1);
-    let mut end = 0;
-    start.push(0);
-    for cell in &held.cells {
-        end += shapes[head.kind_place(*cell)].nodes() as u32;
-        start.push(end);
-    }
-    Some(start)
+    let is_raised = kinds.any(|(range, shape)| range.kind.nodes() != shape.nodes());
+    is_raised.then(|| held.runs.with_widths(shapes.iter().map(|shape| shape.nodes())))
 }
 
 /// What is to be said of all cells together.

@@ -22,6 +22,7 @@ mod pieces;
 mod placed;
 mod part;
 mod read;
+mod runs;
 mod share;
 mod shared;
 mod spread;
@@ -67,7 +68,7 @@ pub fn family(
     let request = comm.agree(request(case, file))?;
     let _pages = OwnPages::start();
     let read = shared::read(comm, &*pieces, &request)?;
-    finish::family(comm, case, &request, method, read, &*pieces).map(Some)
+    finish::family(comm, case, &request, method, read, pieces).map(Some)
 }
 
 /// Opens a file that is to be read in slabs. Collective.

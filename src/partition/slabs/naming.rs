@@ -78,6 +78,11 @@ impl Naming {
         Ok(naming)
     }
 
+    /// Drops what is needed only as long as there are nodes without names.
+    pub fn forget_keys(&mut self) {
+        (self.bases, self.below) = Default::default();
+    }
+
     /// The number of nodes before cutting, which is the first name of copies.
     pub fn uncut(&self) -> u64 {
         self.firsts[3]

@@ -163,7 +163,7 @@ impl Finish<'_> {
         }
         let mut all: Vec<(u32, u32)> = joined(self.comm, &own)?;
         all.sort_unstable();
-        star.mesh.bodies = all.into_iter().map(|(_, body)| body).collect();
+        star.mesh.bodies = all.iter().map(|(_, body)| *body).collect();
         Ok(())
     }
 }

@@ -1,5 +1,6 @@
 //! The pieces of a rank, made one after the other.
 
+use super::runs::Runs;
 use super::spread::Held;
 use crate::error::Result;
 use crate::mesh::slabs::{Given, Head, Key, Numbers, piece};
@@ -55,7 +56,7 @@ impl Work {
     /// Makes all pieces.
     ///
     /// # Arguments
-    /// * `start`: the first node of each own cell after raising, and the end
+    /// * `runs`: where the nodes of own cells stand after raising
     /// * `cuts`: the facets along which the mesh is cut, rising
     ///
     /// # Errors
@@ -64,13 +65,12 @@ impl Work {
         &mut self,
         head: &Head,
         held: &Held,
-        start: &[u32],
+        runs: &Runs,
         is_raised: bool,
         cuts: &[(u32, u8)],
     ) -> Result<()> {
-        let is_changed = start[start.len() - 1] as usize != held.nodes.len() || !cuts.is_empty();
-        let mut out =
-            if is_changed { vec![0; start[start.len() - 1] as usize] } else { Vec::new() };
+        let is_changed = runs.nodes() != held.nodes.len() || !cuts.is_empty();
+        let mut out = if is_changed { vec![0; runs.nodes()] } else { Vec::new() };
         for (number, beside) in (0_u16..).zip(&held.beside) {
             let own = (0..held.cells.len()).filter(|cell| held.pieces[*cell] == number);
             let mut places: Vec<(u32, u32)> =
@@ -92,7 +92,7 @@ impl Work {
             let mut is_told = vec![false; made.keys.len()];
             let mut at = 0;
             for (_, place) in places.iter().filter(|(_, place)| is_own(*place)) {
-                let range = start[*place as usize] as usize..start[*place as usize + 1] as usize;
+                let range = runs.of(*place as usize);
                 for (offset, node) in made.nodes[at..at + range.len()].iter().enumerate() {
                     let node = *node as usize;
                     if !std::mem::replace(&mut is_told[node], true) {

@@ -3,6 +3,7 @@
 use super::bodies::{all_bodies, even_homes};
 use super::naming::Naming;
 use super::pieces::{Work, fresh_place};
+use super::runs::Runs;
 use super::spread::Held;
 use crate::comm::Comm;
 use crate::element::Shape;
@@ -18,8 +19,8 @@ pub struct Placed {
     pub cells: Vec<u32>,
     /// Their materials.
     pub materials: Vec<u32>,
-    /// First node of each, and the end.
-    pub start: Vec<u32>,
+    /// Where the nodes of each stand.
+    runs: Runs,
     /// Nodes of the cells by place.
     pub connectivity: Vec<u32>,
     /// The nodes, by rising name, without marks.
@@ -36,18 +37,18 @@ impl Placed {
     /// Local. What is not needed any more is given back on the way.
     ///
     /// # Arguments
-    /// * `raised_start`: the first node of each cell where cells were raised, and the end
+    /// * `raised`: where the nodes of each cell stand where cells were raised
     /// * `bodies` before cutting, by the places of the files' names
     pub fn new(
         (head, naming): (&Head, &Naming),
         held: Held,
         work: Work,
-        raised_start: Option<Vec<u32>>,
+        raised: Option<Runs>,
         bodies: Vec<u32>,
     ) -> Self {
-        let Held { cells, sets: materials, start, nodes, pieces, far, beside } = held;
+        let Held { cells, sets: materials, runs, nodes, pieces, far, beside } = held;
         drop((pieces, far, beside));
-        let start = raised_start.unwrap_or(start);
+        let runs = raised.unwrap_or(runs);
         let mut connectivity = work.nodes.unwrap_or(nodes);
         give_back_memory();
         let fresh = work.fresh;
@@ -73,12 +74,12 @@ impl Placed {
         let names = used.iter().map(u64::from).collect();
         let nodes = Places { names, points, marks: Vec::new() };
         let (boundary, bodies) = (work.boundary, (work.names, bodies));
-        Self { cells, materials, start, connectivity, nodes, shortest, boundary, bodies }
+        Self { cells, materials, runs, connectivity, nodes, shortest, boundary, bodies }
     }
 
     /// The nodes of a cell.
     pub fn cell(&self, cell: usize) -> &[u32] {
-        &self.connectivity[self.start[cell] as usize..self.start[cell + 1] as usize]
+        &self.connectivity[self.runs.of(cell)]
     }
 
     /// The body of a cell before cutting.
@@ -96,7 +97,7 @@ impl Placed {
     pub fn part(
         mut self,
         comm: &Comm,
-        (head, naming): (&Head, &Naming),
+        naming: &Naming,
         shapes: &[Shape],
         before: usize,
     ) -> Result<(Part, usize)> {
@@ -106,16 +107,11 @@ impl Placed {
         } else {
             self.bodies_after(comm, naming)?
         };
-        let ends = head.kinds.iter().map(|range| range.first + range.count);
-        let mut first = 0;
-        let runs = shapes.iter().zip(ends).map(|(shape, end)| {
-            let from =
-                std::mem::replace(&mut first, self.cells.partition_point(|cell| *cell < end));
-            (*shape, first - from)
-        });
-        let shapes = runs.collect();
-        let Self { cells, materials, start, connectivity, nodes, .. } = self;
+        self.bodies = Default::default();
+        let shapes = shapes.iter().copied().zip(self.runs.counts()).collect();
+        let Self { cells, materials, runs, connectivity, nodes, .. } = self;
         let cells = cells.into_iter().map(u64::from).collect();
+        let start = runs.starts();
         Ok((Part { cells, shapes, materials, nodes, start, connectivity, bodies }, count))
     }
 

@@ -3,9 +3,10 @@
 use super::cells::{Cell, Cells, Chunk};
 use super::homes::Homes;
 use super::labels::AtNodes;
+use super::runs::Runs;
 use crate::comm::Comm;
 use crate::error::{Error, Result};
-use crate::mesh::slabs::{Head, KindRange};
+use crate::mesh::slabs::Head;
 use crate::mesh::whole::Request;
 use crate::runtime::give_back_memory;
 
@@ -41,8 +42,8 @@ pub struct Held {
     pub sets: Vec<u32>,
     /// The piece of each, counted from the first of this rank.
     pub pieces: Vec<u16>,
-    /// First node of each, and the end.
-    pub start: Vec<u32>,
+    /// Where the nodes of each stand.
+    pub runs: Runs,
     /// Names of nodes.
     pub nodes: Vec<u32>,
     /// Cells of other ranks: their names, the ends of their nodes, and those.
@@ -147,7 +148,12 @@ pub fn spread(
             give_back_memory();
         }
     }
-    held.held
+    let mut held = held.held;
+    held.beside.iter_mut().for_each(Vec::shrink_to_fit);
+    held.far.0.shrink_to_fit();
+    held.far.1.shrink_to_fit();
+    held.far.2.shrink_to_fit();
+    held
 }
 
 /// The labels of each chunk, which go with it.
@@ -203,23 +209,24 @@ impl Held {
         }
         let counts = comm.exchange(&counts);
         let mut next = vec![vec![0; head.kinds.len()]; ranks];
-        let (mut total, mut start) = (0, vec![0]);
-        for (place, KindRange { kind, .. }) in head.kinds.iter().enumerate() {
+        let mut total = 0;
+        for place in 0..head.kinds.len() {
             for (source, counts) in counts.iter().enumerate() {
                 next[source][place] = total;
                 total += counts[place] as u32;
-                let end = start[start.len() - 1];
-                start.extend((1..=counts[place] as u32).map(|i| end + i * kind.nodes() as u32));
             }
         }
+        let of_kind = |place: usize| counts.iter().map(|counts| counts[place] as usize).sum();
+        let widths = head.kinds.iter().map(|range| range.kind.nodes());
+        let runs = Runs::new((0..).map(of_kind).zip(widths));
         let own = list.firsts[comm.rank() as usize..][..2].to_vec();
         let total = total as usize;
         let held = Held {
             cells: vec![0; total],
             sets: vec![0; total],
             pieces: vec![0; total],
-            nodes: vec![0; start[total] as usize],
-            start,
+            nodes: vec![0; runs.nodes()],
+            runs,
             far: (Vec::new(), vec![0], Vec::new()),
             beside: vec![Vec::new(); (own[1] - own[0]) as usize],
         };
@@ -244,7 +251,7 @@ impl Held {
                 self.cells[place] = *name;
                 self.sets[place] = *set;
                 self.pieces[place] = *piece as u16;
-                self.nodes[self.start[place] as usize..][..nodes.len()].copy_from_slice(nodes);
+                self.nodes[self.runs.of(place)].copy_from_slice(nodes);
                 place
             };
             others.iter().for_each(|piece| self.beside[*piece as usize].push(place as u32));
@@ -268,8 +275,7 @@ impl Held {
     /// Name and nodes of a cell by place, own ones first.
     pub fn cell(&self, place: usize) -> (u32, &[u32]) {
         let Some(far) = place.checked_sub(self.cells.len()) else {
-            let range = self.start[place] as usize..self.start[place + 1] as usize;
-            return (self.cells[place], &self.nodes[range]);
+            return (self.cells[place], &self.nodes[self.runs.of(place)]);
         };
         let range = self.far.1[far] as usize..self.far.1[far + 1] as usize;
         (self.far.0[far], &self.far.2[range])
