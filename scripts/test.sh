@@ -39,7 +39,7 @@ step docs env RUSTDOCFLAGS="-D warnings" cargo doc --release --no-deps --documen
 tests=(cargo test --release)
 step tests_build "${tests[@]}" --no-run
 # Many tests wait, for a signal or for the end of a run, and leave a core idle. The acceptance tests are the longest:
-# the others run beside them.
+# the others run beside them. Their launches share the cores (tests/common/cores.rs).
 export RUST_TEST_THREADS="${RUST_TEST_THREADS:-$(nproc)}"
 others=()
 for file in tests/*.rs tests/*/main.rs; do
@@ -61,7 +61,7 @@ set -m
 beside >"$log" 2>&1 </dev/null &
 lane=$!
 set +m
-step acceptance env RUST_TEST_THREADS="${ACCEPTANCE_THREADS:-$((RUST_TEST_THREADS + 1))}" "${tests[@]}" --test acceptance
+step acceptance env RUST_TEST_THREADS="${ACCEPTANCE_THREADS:-$((2 * RUST_TEST_THREADS))}" "${tests[@]}" --test acceptance
 all_others() {
     local status=0
     wait "$lane" || status=$?
