@@ -231,9 +231,11 @@ fn e14_iterations_do_not_know_the_units() {
             let counts = ["newton_iterations", "linear_iterations"].map(|c| run.column(c));
             rows.push(json!([solver, name, sum(&counts[0]), sum(&counts[1])]));
             assert_eq!(counts[0], first.column("newton_iterations"), "{}", run.label);
-            // A residual that is at its bound but for rounding may take one iteration more.
+            // A residual that is at its bound but for rounding may take one iteration more. Whether
+            // a start is good enough hangs on errors of the solves before, which rounding changes.
             for (mine, theirs) in first.column("linear_iterations").iter().zip(&counts[1]) {
-                assert!((mine - theirs).abs() <= 1.0, "{}: {mine} and {theirs}", run.label);
+                let more = if mine.min(*theirs) == 0.0 { 2.0 } else { 1.0 };
+                assert!((mine - theirs).abs() <= more, "{}: {mine} and {theirs}", run.label);
             }
             let scale = force / (length * length);
             for (mine, theirs) in first
