@@ -16,9 +16,9 @@ const LOOK: Duration = Duration::from_millis(3);
 pub struct Cores(#[allow(dead_code)] Vec<File>);
 
 impl Cores {
-    #[allow(dead_code)] // one test program calls a script
     /// For scripts that launch runs themselves: the environment variable that names the folder with
     /// the locks, and how many there are.
+    #[allow(dead_code)] // one test program calls a script
     pub fn variable() -> (&'static str, String) {
         ("COLUMN_HPC_TEST_CORES", format!("{}:{}", count(), folder().display()))
     }

@@ -216,6 +216,9 @@ fn in_units(length: f64, force: f64) -> Scene {
         .set(&format!("boundary.1.displacement.z={{table: [[0, 0], {}]}}", z.join(", ")))
 }
 
+/// Powers of two round nothing: every number is the same but for its exponent.
+const ROUNDED_ALIKE: &str = "powers of two";
+
 #[test]
 fn e14_iterations_do_not_know_the_units() {
     let mut rows = Vec::new();
@@ -224,17 +227,24 @@ fn e14_iterations_do_not_know_the_units() {
             in_units(length, force).set(&format!("solver.linear={solver}")).on(1)
         };
         let first = scene(1.0, 1.0);
-        for (name, length, force) in
-            [("N, m, Pa", 1.0, 1.0), ("N, mm, MPa", 1e3, 1.0), ("GN, m, GPa", 1.0, 1e-9)]
-        {
+        for (name, length, force) in [
+            ("N, m, Pa", 1.0, 1.0),
+            ("N, mm, MPa", 1e3, 1.0),
+            ("GN, m, GPa", 1.0, 1e-9),
+            (ROUNDED_ALIKE, 1024.0, 1.0 / 1_073_741_824.0),
+        ] {
             let run = scene(length, force);
             let counts = ["newton_iterations", "linear_iterations"].map(|c| run.column(c));
             rows.push(json!([solver, name, sum(&counts[0]), sum(&counts[1])]));
             assert_eq!(counts[0], first.column("newton_iterations"), "{}", run.label);
-            // A residual that is at its bound but for rounding may take one iteration more. Whether
-            // a start is good enough hangs on errors of the solves before, which rounding changes.
+            // Where rounding differs, a residual that is at its bound may take one iteration more,
+            // and a start that is good enough in one system may be solved on in the other.
             for (mine, theirs) in first.column("linear_iterations").iter().zip(&counts[1]) {
-                let more = if mine.min(*theirs) == 0.0 { 2.0 } else { 1.0 };
+                let more = match mine.min(*theirs) {
+                    _ if name == ROUNDED_ALIKE => 0.0,
+                    0.0 => 2.0,
+                    _ => 1.0,
+                };
                 assert!((mine - theirs).abs() <= more, "{}: {mine} and {theirs}", run.label);
             }
             let scale = force / (length * length);
