@@ -40,7 +40,8 @@ tests=(cargo test --release)
 step tests_build "${tests[@]}" --no-run
 # Many tests wait, for a signal or for the end of a run, and leave a core idle. The acceptance tests are the longest:
 # the others run beside them. Their launches share the cores (tests/common/cores.rs).
-export RUST_TEST_THREADS="${RUST_TEST_THREADS:-$(nproc)}"
+# (nproc counts threads of OpenMP, which scripts/mpi_env.sh sets to 1.)
+export RUST_TEST_THREADS="${RUST_TEST_THREADS:-$(getconf _NPROCESSORS_ONLN)}"
 others=()
 for file in tests/*.rs tests/*/main.rs; do
     name=$(basename "${file%/main.rs}" .rs)

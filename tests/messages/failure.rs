@@ -60,7 +60,7 @@ fn waiting(folder: &Folder) -> Child {
         .spawn()
         .expect("mpirun");
     let rows = || fs::read_to_string(folder.path("out/history.csv")).map(|t| t.lines().count());
-    let end = Instant::now() + Duration::from_secs(30);
+    let end = Instant::now() + Duration::from_secs(120);
     while !rows().is_ok_and(|rows| rows == 3) {
         assert!(Instant::now() < end, "the run does not come to its second instant");
         sleep(Duration::from_millis(20));
