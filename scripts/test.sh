@@ -37,21 +37,25 @@ step format cargo fmt --check
 step lints cargo clippy --release --all-targets -- -D warnings
 step docs env RUSTDOCFLAGS="-D warnings" cargo doc --release --no-deps --document-private-items
 tests=(cargo test --release)
-step tests_build "${tests[@]}" --no-run
-# Many tests wait, for a signal or for the end of a run, and leave a core idle. The acceptance tests are the longest:
-# the others run beside them. Their launches share the cores (tests/common/cores.rs).
-# (nproc counts threads of OpenMP, which scripts/mpi_env.sh sets to 1.)
-export RUST_TEST_THREADS="${RUST_TEST_THREADS:-$(getconf _NPROCESSORS_ONLN)}"
 others=()
 for file in tests/*.rs tests/*/main.rs; do
     name=$(basename "${file%/main.rs}" .rs)
     [ "$name" = acceptance ] || others+=(--test "$name")
 done
+step tests_build "${tests[@]}" --no-run --bins --test acceptance "${others[@]}"
+# The unit tests take half as long to compile, and no longer to run than others, where the library itself is hardly
+# optimised; its dependencies are those of the release.
+unit=("${tests[@]}" --config 'profile.release.package.column-hpc.opt-level=1' --lib)
+# Many tests wait, for a signal or for the end of a run, and leave a core idle. The acceptance tests are the longest:
+# the others run beside them. Their launches share the cores (tests/common/cores.rs).
+# (nproc counts threads of OpenMP, which scripts/mpi_env.sh sets to 1.)
+export RUST_TEST_THREADS="${RUST_TEST_THREADS:-$(getconf _NPROCESSORS_ONLN)}"
 beside() {
     local status=0
-    "${tests[@]}" --no-fail-fast --lib --bins "${others[@]}" || status=1
+    "${tests[@]}" --no-fail-fast --bins "${others[@]}" || status=1
     "${tests[@]}" --doc || status=1
     scripts/slurm/self_test.sh || status=1
+    "${unit[@]}" || status=1
     return $status
 }
 log=$(mktemp)

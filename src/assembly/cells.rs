@@ -43,6 +43,8 @@ struct Sweeps {
     boxes: Option<(Boxes<f64>, Sweep)>,
     /// Those boxes in single precision, once they are asked for.
     single: OnceCell<Option<Boxes<f32>>>,
+    /// By prototype, in single precision once they are asked for; none of other forms.
+    parities: OnceCell<Vec<Option<Parity<f32>>>>,
     second: SecondOrderSweep,
     general: GeneralSweep,
 }
@@ -115,6 +117,7 @@ impl Cells {
             first: Sweep::new(self.dim, with(|s| modal(s).is_some())),
             boxes: None,
             single: OnceCell::new(),
+            parities: OnceCell::new(),
             second: SecondOrderSweep::new(self.dim, with(|s| parity(s).is_some())),
             general: GeneralSweep::new(
                 |prototype| self.general(prototype),
@@ -236,12 +239,12 @@ impl Cells {
         self.all.add_forces(self, u, [owned, ghosts], None);
     }
 
-    /// Whether [`Cells::add_single_forces_apart`] may be called: on boxes of first order alone.
-    pub fn serve_in_single_precision(&self) -> bool {
-        (0..self.stiffness.len()).all(|prototype| self.is_first(prototype as u32))
+    /// Whether a cell is a box.
+    pub fn is_box(&self, cell: usize) -> bool {
+        matches!(self.stiffness[self.prototype[cell] as usize], CellStiffness::Box(_))
     }
 
-    /// As [`Cells::add_forces_apart`] in single precision. Local.
+    /// As [`Cells::add_forces_apart`] of the boxes in single precision. Local.
     pub fn add_single_forces_apart(&self, u: &[f32], owned: &mut [f32], ghosts: &mut [f32]) {
         let modal = |prototype: u32| modal(&self.stiffness[prototype as usize]).expect(SORTED);
         let boxes = self.all.boxes.as_ref();
@@ -249,10 +252,15 @@ impl Cells {
         match (single, boxes) {
             (Some(single), Some((_, rest))) => {
                 single.add_forces(u, [&mut *owned, &mut *ghosts]);
-                rest.add_forces(modal, u, [owned, ghosts], None);
+                rest.add_forces(modal, u, [&mut *owned, &mut *ghosts], None);
             }
-            _ => self.all.first.add_forces(modal, u, [owned, ghosts], None),
+            _ => self.all.first.add_forces(modal, u, [&mut *owned, &mut *ghosts], None),
         }
+        let single = |of: &CellStiffness| parity(of).map(Parity::to_single);
+        let parities = || self.stiffness.iter().map(single).collect();
+        let parities = self.all.parities.get_or_init(parities);
+        let parity = |prototype: u32| parities[prototype as usize].as_ref().expect(SORTED);
+        self.all.second.add_forces(parity, u, [owned, ghosts], None);
     }
 
     /// Adds the diagonal of the stiffness (N/m), `dim` numbers per local node. Local.

@@ -4,6 +4,7 @@
 //! secondary displacement eliminated where the jump is known. The saddle-point form keeps both. The
 //! graphs do not depend on the state.
 
+mod blocks;
 mod boxes;
 mod cells;
 mod films;
@@ -33,8 +34,11 @@ pub use saddle::{LawDerivative, SaddleTangent};
 pub use tangent::Tangent;
 pub use tangent_matrix::TangentMatrix;
 
+use std::cell::OnceCell;
+
 use crate::interface::JumpRows;
 use crate::space::Nodes;
+use blocks::Blocks;
 
 /// What the assembly knows of the discretisation, by local number.
 pub struct Discretization {
@@ -52,6 +56,8 @@ pub struct Discretization {
     pub secondary: Vec<JumpRows<u32>>,
     /// Index into `secondary` of each local node.
     pub secondary_of: Vec<Option<u32>>,
+    /// The cells that are no boxes in single precision, once they are asked for.
+    blocks: OnceCell<Blocks>,
 }
 
 impl Discretization {
@@ -73,7 +79,9 @@ impl Discretization {
         for (index, rows) in secondary.iter().enumerate() {
             secondary_of[rows.node as usize] = Some(index as u32);
         }
-        let mut all = Self { dim, cells, nodes, frames, prescribed, secondary, secondary_of };
+        let blocks = OnceCell::new();
+        let mut all =
+            Self { dim, cells, nodes, frames, prescribed, secondary, secondary_of, blocks };
         all.mark_interface_cells();
         all
     }
@@ -139,6 +147,17 @@ impl Discretization {
         let (own, far) = force.split_at(owned.len());
         owned.iter_mut().zip(own).for_each(|(f, of_cells)| *f += of_cells);
         ghosts.iter_mut().zip(far).for_each(|(f, of_cells)| *f += of_cells);
+    }
+
+    /// As [`Discretization::add_forces_apart`] in single precision. Local.
+    pub fn add_single_forces_apart(&self, u: &[f32], owned: &mut [f32], ghosts: &mut [f32]) {
+        self.cells.add_single_forces_apart(u, owned, ghosts);
+        let blocks = self.blocks.get_or_init(|| {
+            Blocks::new(self.dim, self.nodes.len(), &self.cells, &|cell, see| {
+                see(self.cell_matrix(cell, &mut Vec::new()));
+            })
+        });
+        blocks.add_forces_apart(u, owned, ghosts);
     }
 
     /// The stiffness of a cell between the unknowns of its nodes, row by row (N/m), in `buffer`

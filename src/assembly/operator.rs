@@ -60,7 +60,7 @@ impl Precision for f32 {
     }
 
     fn add_forces_apart(all: &Discretization, u: &[f32], owned: &mut [f32], ghosts: &mut [f32]) {
-        all.cells.add_single_forces_apart(u, owned, ghosts);
+        all.add_single_forces_apart(u, owned, ghosts);
     }
 }
 
@@ -345,15 +345,9 @@ impl TangentOperator {
         self.for_identity_components(|own| y[own] = identity * x[own]);
     }
 
-    /// As [`LinearOperator::multiply`] in either precision. In single precision only where
-    /// [`TangentOperator::serves_in_single_precision`]. Collective.
+    /// As [`LinearOperator::multiply`] in either precision. Collective.
     pub fn multiply_in<T: Precision>(&self, x: &[T], y: &mut [T]) {
         self.product(x, y, |_, _| {});
-    }
-
-    /// Whether the product can be had in single precision. Local.
-    pub fn serves_in_single_precision(&self) -> bool {
-        self.all.frames.is_empty() && self.all.cells.serve_in_single_precision()
     }
 }
 

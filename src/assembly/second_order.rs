@@ -8,6 +8,7 @@
 use crate::bulk::{Block, MOST_ROWS, Parity, lattice_places};
 use crate::element::Shape;
 use crate::simd::{Kernel, widest};
+use crate::sparse::Real;
 
 /// Cells of a batch.
 const LANES: usize = 8;
@@ -15,7 +16,7 @@ const LANES: usize = 8;
 const NODES: usize = 27;
 
 /// A number of each cell of a batch.
-type Lanes = [f64; LANES];
+type Lanes<T> = [T; LANES];
 
 /// Like cells side by side; behind the last cell the first one stands again.
 struct Batch {
@@ -68,38 +69,44 @@ impl SecondOrderSweep {
     /// forces in two parts: those of the first nodes, then those of the others. `stiffness` gives
     /// the split form of a prototype. `magnitude` gets the sum of the lengths of the cells' nodal
     /// forces, one per local node. Local.
-    pub fn add_forces<'a>(
+    pub fn add_forces<'a, T: Real + 'a>(
         &self,
-        stiffness: impl Fn(u32) -> &'a Parity,
-        u: &[f64],
-        force: [&mut [f64]; 2],
+        stiffness: impl Fn(u32) -> &'a Parity<T>,
+        u: &[T],
+        force: [&mut [T]; 2],
         magnitude: Option<&mut [f64]>,
     ) {
         let pass = Pass { sweep: self, stiffness, u, force, magnitude };
-        if self.dim == 2 { widest(Dim::<_, 2, 9>(pass)) } else { widest(Dim::<_, 3, 27>(pass)) }
+        if self.dim == 2 {
+            widest(Dim::<_, _, 2, 9>(pass));
+        } else {
+            widest(Dim::<_, _, 3, 27>(pass));
+        }
     }
 }
 
 /// One pass over the cells of a sweep.
-struct Pass<'s, F> {
+struct Pass<'s, T, F> {
     sweep: &'s SecondOrderSweep,
     stiffness: F,
-    u: &'s [f64],
-    force: [&'s mut [f64]; 2],
+    u: &'s [T],
+    force: [&'s mut [T]; 2],
     magnitude: Option<&'s mut [f64]>,
 }
 
 /// A pass in `DIM` dimensions with `N` nodes per cell.
-struct Dim<'s, F, const DIM: usize, const N: usize>(Pass<'s, F>);
+struct Dim<'s, T, F, const DIM: usize, const N: usize>(Pass<'s, T, F>);
 
-impl<'a, F: Fn(u32) -> &'a Parity, const DIM: usize, const N: usize> Kernel for Dim<'_, F, DIM, N> {
+impl<'a, T: Real + 'a, F: Fn(u32) -> &'a Parity<T>, const DIM: usize, const N: usize> Kernel
+    for Dim<'_, T, F, DIM, N>
+{
     #[inline(always)]
     fn run(self) {
         let Pass { sweep, stiffness, u, force, mut magnitude } = self.0;
         let u = u.as_chunks::<DIM>().0;
         let [first, others] = force.map(|part| part.as_chunks_mut::<DIM>().0);
-        let mut value = [[[0.0; LANES]; NODES]; DIM];
-        let mut result = [[[0.0; LANES]; NODES]; DIM];
+        let mut value = [[[T::ZERO; LANES]; NODES]; DIM];
+        let mut result = [[[T::ZERO; LANES]; NODES]; DIM];
         for (batch, nodes) in sweep.batches.iter().zip(sweep.nodes.chunks_exact(N * LANES)) {
             for (a, nodes) in nodes.chunks_exact(LANES).enumerate() {
                 for lane in 0..LANES {
@@ -110,19 +117,19 @@ impl<'a, F: Fn(u32) -> &'a Parity, const DIM: usize, const N: usize> Kernel for 
                 }
             }
             for value in &mut value {
-                to_modes::<N>(value);
+                to_modes::<T, N>(value);
             }
             for block in &stiffness(batch.prototype).blocks {
                 match block.modes.len() {
-                    4 => apply::<4, DIM>(block, &value, &mut result),
-                    5 => apply::<5, DIM>(block, &value, &mut result),
-                    6 => apply::<6, DIM>(block, &value, &mut result),
-                    9 => apply::<9, DIM>(block, &value, &mut result),
-                    _ => apply::<MOST_ROWS, DIM>(block, &value, &mut result),
+                    4 => apply::<T, 4, DIM>(block, &value, &mut result),
+                    5 => apply::<T, 5, DIM>(block, &value, &mut result),
+                    6 => apply::<T, 6, DIM>(block, &value, &mut result),
+                    9 => apply::<T, 9, DIM>(block, &value, &mut result),
+                    _ => apply::<T, MOST_ROWS, DIM>(block, &value, &mut result),
                 }
             }
             for result in &mut result {
-                to_nodes::<N>(result);
+                to_nodes::<T, N>(result);
             }
             let cells = batch.cells as usize;
             for (a, nodes) in nodes.chunks_exact(LANES).enumerate() {
@@ -139,7 +146,8 @@ impl<'a, F: Fn(u32) -> &'a Parity, const DIM: usize, const N: usize> Kernel for 
                 }
                 if let Some(magnitude) = &mut magnitude {
                     for lane in 0..cells {
-                        let square: f64 = (0..DIM).map(|c| result[c][a][lane].powi(2)).sum();
+                        let square: f64 =
+                            (0..DIM).map(|c| result[c][a][lane].to_double().powi(2)).sum();
                         magnitude[nodes[lane] as usize] += square.sqrt();
                     }
                 }
@@ -150,7 +158,7 @@ impl<'a, F: Fn(u32) -> &'a Parity, const DIM: usize, const N: usize> Kernel for 
 
 /// Along every axis: the outer values become their sum and their difference.
 #[inline(always)]
-fn to_modes<const N: usize>(value: &mut [Lanes; NODES]) {
+fn to_modes<T: Real, const N: usize>(value: &mut [Lanes<T>; NODES]) {
     for_lines::<N>(|lower, upper| {
         let (low, high) = (value[lower], value[upper]);
         for lane in 0..LANES {
@@ -162,7 +170,7 @@ fn to_modes<const N: usize>(value: &mut [Lanes; NODES]) {
 
 /// The transpose of [`to_modes`].
 #[inline(always)]
-fn to_nodes<const N: usize>(value: &mut [Lanes; NODES]) {
+fn to_nodes<T: Real, const N: usize>(value: &mut [Lanes<T>; NODES]) {
     for_lines::<N>(|lower, upper| {
         let (sum, step) = (value[lower], value[upper]);
         for lane in 0..LANES {
@@ -188,19 +196,19 @@ fn for_lines<const N: usize>(mut act: impl FnMut(usize, usize)) {
 
 /// One block: its part of `result` is the matrix times its part of `value`.
 #[inline(always)]
-fn apply<const ROWS: usize, const DIM: usize>(
-    block: &Block,
-    value: &[[Lanes; NODES]; DIM],
-    result: &mut [[Lanes; NODES]; DIM],
+fn apply<T: Real, const ROWS: usize, const DIM: usize>(
+    block: &Block<T>,
+    value: &[[Lanes<T>; NODES]; DIM],
+    result: &mut [[Lanes<T>; NODES]; DIM],
 ) {
     let modes: &[(usize, usize); ROWS] = block.modes[..].try_into().expect("rows of the block");
     let rows = block.matrix.as_chunks::<ROWS>().0;
-    let mut own = [[0.0; LANES]; ROWS];
+    let mut own = [[T::ZERO; LANES]; ROWS];
     for (own, (c, m)) in own.iter_mut().zip(modes) {
         *own = value[*c][*m];
     }
     for (row, (c, m)) in rows.iter().zip(modes) {
-        let mut sum = [0.0; LANES];
+        let mut sum = [T::ZERO; LANES];
         for j in 0..ROWS {
             for lane in 0..LANES {
                 sum[lane] += row[j] * own[j][lane];

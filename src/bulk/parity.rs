@@ -15,19 +15,19 @@ const ZERO: f64 = 1e-12;
 
 /// A block of the split stiffness: dense, between the modes it lists.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Block {
+pub struct Block<T = f64> {
     /// Component and mode of each row and column.
     pub modes: Vec<(usize, usize)>,
     /// Entries (N/m), row by row.
-    pub matrix: Vec<f64>,
+    pub matrix: Vec<T>,
 }
 
 /// K by parity. A mode is a number in base 3 whose digit of an axis says: 0 sum of the outer
 /// values, 1 middle value, 2 difference of the outer ones; the first axis is the lowest digit.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Parity {
+pub struct Parity<T = f64> {
     /// The blocks.
-    pub blocks: Vec<Block>,
+    pub blocks: Vec<Block<T>>,
 }
 
 impl Parity {
@@ -53,6 +53,15 @@ impl Parity {
             Block { matrix: rows.collect(), modes }
         };
         Some(Self { blocks: (0..1 << dim).map(block).collect() })
+    }
+
+    /// The same in single precision.
+    pub fn to_single(&self) -> Parity<f32> {
+        let single = |block: &Block| Block {
+            modes: block.modes.clone(),
+            matrix: block.matrix.iter().map(|k| *k as f32).collect(),
+        };
+        Parity { blocks: self.blocks.iter().map(single).collect() }
     }
 }
 

@@ -31,6 +31,11 @@ const LEAST: f64 = 1e-15;
 /// See [`LEAST`].
 const MOST: f64 = 1e25;
 
+/// Whether single precision holds the entries of an operator.
+fn fits(operator: &TangentOperator) -> bool {
+    (LEAST..MOST).contains(&operator.identity_entry())
+}
+
 /// A discretisation, and how its owned nodes depend on those of the next coarser level; on the
 /// coarsest level they depend on none.
 pub struct Level {
@@ -69,7 +74,12 @@ impl Hierarchy {
             comm.max(&mut diagonal);
             let operator = Rc::new(TangentOperator::new(all, diagonal[0]));
             if !operators.is_empty() {
-                largest.push(largest_eigenvalue(comm, &operator));
+                let of = if fits(&operator) {
+                    largest_eigenvalue::<f32>
+                } else {
+                    largest_eigenvalue::<f64>
+                };
+                largest.push(of(comm, &operator));
             }
             operators.push(operator);
             stencils.push(interpolation);
@@ -112,16 +122,9 @@ impl Hierarchy {
         self.transfers.iter().map(|(transfer, _)| &**transfer)
     }
 
-    /// Whether the levels serve a cycle in single precision: lattices of boxes of first order, the
-    /// coarsest level apart. Collective.
+    /// Whether the levels serve a cycle in single precision: their entries have to fit. Collective.
     pub fn serves_in_single_precision(&self, comm: &Comm) -> bool {
-        let of_file = |(transfer, _): &(Rc<Transfer>, Matrix)| transfer.is_of_file();
-        let is_not = |o: &Rc<TangentOperator>| {
-            let entry = o.identity_entry();
-            !o.serves_in_single_precision() || !(LEAST..MOST).contains(&entry)
-        };
-        let some = self.operators.iter().any(is_not) || self.transfers.iter().any(of_file);
-        !comm.any(some)
+        !comm.any(!self.operators.iter().all(|operator| fits(operator)))
     }
 
     /// A cycle of our own over the levels, whose coarsest is solved as PETSc's options under

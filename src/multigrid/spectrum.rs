@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::assembly::TangentOperator;
+use crate::assembly::{Precision, TangentOperator};
 use crate::comm::Comm;
 use crate::hash::mix;
 use crate::petsc::LinearOperator;
@@ -14,7 +14,9 @@ const MARGIN: f64 = 1.1;
 
 /// An upper estimate of the largest eigenvalue of D^-1 J, by Lanczos' method from a vector that is
 /// the same on any number of ranks. Collective.
-pub fn largest_eigenvalue(comm: &Comm, operator: &TangentOperator) -> f64 {
+///
+/// The products are those of the precision `T`, which has to hold the operator's entries.
+pub fn largest_eigenvalue<T: Precision>(comm: &Comm, operator: &TangentOperator) -> f64 {
     let all = operator.discretization();
     let size = all.nodes.owned * all.dim;
     let mut scale = vec![0.0; size];
@@ -26,7 +28,8 @@ pub fn largest_eigenvalue(comm: &Comm, operator: &TangentOperator) -> f64 {
         if identity[i] { 0.0 } else { mix(name) as f64 / u64::MAX as f64 - 0.5 }
     };
     let mut v: Vec<f64> = (0..size).map(start).collect();
-    let (mut before, mut w, mut x) = (vec![0.0; size], vec![0.0; size], vec![0.0; size]);
+    let (mut before, mut w) = (vec![0.0; size], vec![0.0; size]);
+    let (mut x, mut product) = (vec![T::ZERO; size], vec![T::ZERO; size]);
     let norm = |v: &[f64]| {
         let mut square = [v.iter().map(|v| v * v).sum::<f64>()];
         comm.sum(&mut square);
@@ -39,9 +42,10 @@ pub fn largest_eigenvalue(comm: &Comm, operator: &TangentOperator) -> f64 {
             break;
         }
         v.iter_mut().for_each(|v| *v /= beta);
-        x.iter_mut().zip(&v).zip(&scale).for_each(|((x, v), s)| *x = v * s);
-        operator.multiply(&x, &mut w);
-        w.iter_mut().zip(&scale).for_each(|(w, s)| *w *= s);
+        x.iter_mut().zip(&v).zip(&scale).for_each(|((x, v), s)| *x = T::from_double(v * s));
+        operator.multiply_in(&x, &mut product);
+        let products = w.iter_mut().zip(&product).zip(&scale);
+        products.for_each(|((w, product), s)| *w = product.to_double() * s);
         let back = if diagonal.is_empty() { 0.0 } else { beta };
         let mut alpha = [w.iter().zip(&v).map(|(w, v)| w * v).sum::<f64>()];
         comm.sum(&mut alpha);

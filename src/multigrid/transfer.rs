@@ -252,10 +252,16 @@ impl Transfer {
         }
     }
 
-    /// Coarse unknowns to fine ones, between lattices. Collective.
+    /// Coarse unknowns to fine ones. Collective.
     pub fn prolong<T: Precision>(&self, x: &[T], y: &mut [T], u: &mut [T]) {
         let fine = self.fine.discretization();
         let dim = fine.dim;
+        if self.is_of_file() {
+            let ([u, _], fine) = (&mut *self.work.borrow_mut(), &mut *self.residual.borrow_mut());
+            u.iter_mut().zip(x).for_each(|(u, x)| *u = x.to_double());
+            self.prolong_along_axes(u, fine);
+            return y.iter_mut().zip(fine).for_each(|(y, u)| *y = T::from_double(*u));
+        }
         u[..x.len()].copy_from_slice(x);
         self.coarse.expand(u);
         self.gather_all(u, y);
@@ -270,10 +276,17 @@ impl Transfer {
         self.fine.for_identity_components(|own| y[own] = T::ZERO);
     }
 
-    /// Fine forces to coarse ones, between lattices; the former are used up. Collective.
+    /// Fine forces to coarse ones; the former are used up. Collective.
     pub fn restrict<T: Precision>(&self, r: &mut [T], y: &mut [T], room: &mut [Vec<T>; 2]) {
         let fine = self.fine.discretization();
         let dim = fine.dim;
+        if self.is_of_file() {
+            let fine = &mut *self.residual.borrow_mut();
+            fine.iter_mut().zip(&*r).for_each(|(fine, r)| *fine = r.to_double());
+            let [force, on_jumps] = &mut *self.work.borrow_mut();
+            self.restrict_along_axes(fine, force, on_jumps);
+            return y.iter_mut().zip(force).for_each(|(y, f)| *y = T::from_double(*f));
+        }
         let [force, on_jumps] = room;
         force.fill(T::ZERO);
         on_jumps.fill(T::ZERO);
@@ -301,6 +314,25 @@ impl Transfer {
     }
 }
 
+impl Transfer {
+    /// Coarse unknowns, which have room for ghosts, to fine ones between meshes of a file.
+    /// Collective.
+    fn prolong_along_axes(&self, u: &mut [f64], y: &mut [f64]) {
+        self.coarse.expand(u);
+        self.multiply_along_axes(u, y);
+        self.fine.for_identity_components(|own| y[own] = 0.0);
+    }
+
+    /// Fine forces, which are used up, to coarse ones between meshes of a file. Collective.
+    fn restrict_along_axes(&self, r: &mut [f64], force: &mut [f64], on_jumps: &mut [f64]) {
+        force.fill(0.0);
+        on_jumps.fill(0.0);
+        self.fine.for_identity_components(|own| r[own] = 0.0);
+        self.spread_along_axes(r, force, on_jumps);
+        self.coarse.fold(force, Some(on_jumps));
+    }
+}
+
 impl LinearOperator for Transfer {
     /// Coarse unknowns to fine ones.
     fn multiply(&self, x: &[f64], y: &mut [f64]) {
@@ -309,9 +341,7 @@ impl LinearOperator for Transfer {
             return self.prolong(x, y, u);
         }
         u[..x.len()].copy_from_slice(x);
-        self.coarse.expand(u);
-        self.multiply_along_axes(u, y);
-        self.fine.for_identity_components(|own| y[own] = 0.0);
+        self.prolong_along_axes(u, y);
     }
 
     /// Fine forces to coarse ones.
@@ -323,11 +353,7 @@ impl LinearOperator for Transfer {
             return self.restrict(r, y, room);
         }
         let [force, on_jumps] = room;
-        force.fill(0.0);
-        on_jumps.fill(0.0);
-        self.fine.for_identity_components(|own| r[own] = 0.0);
-        self.spread_along_axes(r, force, on_jumps);
-        self.coarse.fold(force, Some(on_jumps));
+        self.restrict_along_axes(r, force, on_jumps);
         y.copy_from_slice(&force[..y.len()]);
     }
 }

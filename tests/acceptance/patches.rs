@@ -139,7 +139,10 @@ fn joined(dim: usize, law: &str, (lower, upper): (usize, usize), orders: [usize;
         };
         format!("bodies: [{}, {}]", body(lower, orders[0]), body(upper, orders[1]))
     };
-    for (index, secondary) in ["", ", secondary: lower", ", secondary: upper"].iter().enumerate() {
+    let sides = ["", ", secondary: lower", ", secondary: upper"];
+    // Without a word it is one of them.
+    let sides = sides.iter().enumerate().skip(usize::from(lower + orders[0] > 3));
+    for (index, secondary) in sides {
         let ranks = 1 + (index + lower + orders[0]) % 4;
         let interfaces = format!("interfaces: [{{name: joint, z: 0.4, law: {law}{secondary}}}]");
         let run = patch(dim, &bodies(lower, upper), &interfaces).on(ranks);

@@ -62,7 +62,6 @@ pub fn give_the_sum_over_their_cells(runtime: &Runtime) {
         let x = &u[..3 * all.nodes.owned];
         let (mut double, mut single) = (vec![0.0; x.len()], vec![0.0_f32; x.len()]);
         operator.multiply(x, &mut double);
-        assert!(operator.serves_in_single_precision());
         let rounded: Vec<f32> = x.iter().map(|x| *x as f32).collect();
         operator.multiply_in(&rounded, &mut single);
         let difference: Vec<f64> =

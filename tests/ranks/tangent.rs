@@ -131,6 +131,7 @@ fn check(runtime: &Runtime, case: &Case, method: Method) -> BTreeSet<Branch> {
             model.stepper.problem.interfaces.committed = history;
             compare(runtime, &mut model, *time);
             transposes(runtime, &model);
+            single_precision(runtime, &model);
             let response = &model.stepper.problem.interfaces.response;
             seen.extend(response.iter().map(|r| r.branch));
         }
@@ -138,6 +139,26 @@ fn check(runtime: &Runtime, case: &Case, method: Method) -> BTreeSet<Branch> {
     }
     // In one order on every rank.
     Branch::ALL.into_iter().filter(|branch| comm.any(seen.contains(branch))).collect()
+}
+
+/// The product in single precision at the state of the last tangent, which the cycle takes.
+fn single_precision(runtime: &Runtime, model: &Model<'_>) {
+    let Some(hierarchy) = model.stepper.problem.hierarchy() else { return };
+    let operator = hierarchy.finest();
+    let all = operator.discretization();
+    let own = &all.nodes.names[..all.nodes.owned];
+    let value = |name: u64, c: u64| (mix(3 * name + c) >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
+    let components = || 0..all.dim as u64;
+    let x: Vec<f64> = own.iter().flat_map(|name| components().map(|c| value(*name, c))).collect();
+    let rounded: Vec<f32> = x.iter().map(|x| *x as f32).collect();
+    let (mut double, mut single) = (vec![0.0; x.len()], vec![0.0_f32; x.len()]);
+    operator.multiply_in(&x, &mut double);
+    operator.multiply_in(&rounded, &mut single);
+    let apart = double.iter().zip(&single).map(|(a, b)| (a - f64::from(*b)).abs());
+    let mut largest =
+        [apart.fold(0.0, f64::max), double.iter().fold(0.0, |m: f64, y| m.max(y.abs()))];
+    runtime.comm.max(&mut largest);
+    assert!(largest[0] < 2e-6 * largest[1], "{largest:?}");
 }
 
 /// The transposes of the interpolations at the state of the last tangent: y . P x = x . P^T y.

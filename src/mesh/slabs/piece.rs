@@ -10,7 +10,7 @@ use crate::element::Shape;
 use crate::error::{Error, Result};
 use crate::mesh::whole::{
     Cells, Copies, FacetTable, Middles, NO_MATE, WholeFacet, are_pinched, check_copies,
-    check_jacobians, cut, middles, raise, shortest_edges, slot,
+    check_jacobians, cut, lay_along_axes, middles, raise, shortest_edges, slot,
 };
 
 /// A cell that is given to a piece.
@@ -65,6 +65,7 @@ pub fn piece(
     let mut cells = cells_of(head, given, &names, point);
     check_copies(&mut cells)?;
     raise(&mut cells, is_raised.then_some(2), &mut Vec::new())?;
+    lay_along_axes(&mut cells);
     let own = || (0..given.len()).filter(|cell| given[*cell].is_own);
     check_jacobians(&cells, own())?;
     let table = FacetTable::new(cells.view());

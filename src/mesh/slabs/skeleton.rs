@@ -12,7 +12,7 @@ use crate::mesh::import::Group;
 use crate::mesh::whole::{
     Cells, Copies, FacetTable, FoundSurface, InterfacePlace, Known, NO_MATE, Plan, Request,
     WholeFacet, WholeMesh, check_copies, corner_count, facing_of_lips, find_surface,
-    finish_surface, make_interfaces, plan, raise, slot,
+    finish_surface, lay_along_axes, make_interfaces, plan, raise, slot,
 };
 
 /// Which cells are behind surfaces and interfaces.
@@ -155,6 +155,7 @@ impl Skeleton {
         cells.names = (0..nodes.len() as u32).chain([NO_MATE]).collect();
         check_copies(&mut cells)?;
         raise(&mut cells, request.raise_order, &mut Vec::new())?;
+        lay_along_axes(&mut cells);
         let groups = head.groups(&file);
         let table = FacetTable::new(cells.view());
         let mates = table.mates(&cells)?;

@@ -1,5 +1,6 @@
 //! From a file to a whole mesh.
 
+use super::along_axes::lay_along_axes;
 use super::bodies::bodies_of;
 use super::cells::{Cells, collect};
 use super::cut::{Copies, cut};
@@ -68,6 +69,7 @@ fn made(file: &FileMesh, request: &Request, keep: Keep) -> Result<Vec<WholeMesh>
     let file = divided.as_ref().unwrap_or(file);
     let mut cells = collect(file, request.scale, &mut remarks)?;
     raise::raise(&mut cells, request.raise_order, &mut remarks)?;
+    lay_along_axes(&mut cells);
     refine::check(&cells, request.refine)?;
     // What is wrong is told of the elements that are in the file.
     let found = Found::new(file, &cells, request)?;

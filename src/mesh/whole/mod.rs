@@ -13,6 +13,7 @@ mod words;
 mod request;
 mod cells;
 mod raise;
+mod along_axes;
 mod refine;
 mod facets;
 mod groups;
@@ -38,6 +39,7 @@ mod hinges;
 mod tests;
 
 pub(super) use across::facing_of_lips;
+pub(super) use along_axes::lay_along_axes;
 pub(super) use cells::{Cells, NONE as NO_MATE, check_copies, corner_count};
 pub(super) use cut::{Copies, cut};
 pub(super) use doubled::shortest_edges;
