@@ -4,7 +4,7 @@
 //! symmetric: a block between two nodes stands once, and acts both ways.
 
 use super::cells::Cells;
-use crate::simd::{Kernel, widest};
+use crate::simd::{Kernel, is_fused, widest};
 
 /// Assembled cells.
 pub struct Blocks(Form);
@@ -53,8 +53,8 @@ impl Blocks {
     pub fn add_forces_apart(&self, u: &[f32], owned: &mut [f32], ghosts: &mut [f32]) {
         match &self.0 {
             Form::None => (),
-            Form::Plane(rows) => widest(Product { rows, u, owned, ghosts }),
-            Form::Space(rows) => widest(Product { rows, u, owned, ghosts }),
+            Form::Plane(rows) => rows.multiply(u, owned, ghosts),
+            Form::Space(rows) => rows.multiply(u, owned, ghosts),
         }
     }
 }
@@ -83,6 +83,14 @@ impl<const DIM: usize> Rows<DIM> {
             matrix(*cell, &mut |matrix| rows.add(cells.nodes(*cell), matrix));
         }
         rows
+    }
+
+    fn multiply(&self, u: &[f32], owned: &mut [f32], ghosts: &mut [f32]) {
+        if is_fused() {
+            widest(Product::<DIM, true> { rows: self, u, owned, ghosts });
+        } else {
+            widest(Product::<DIM, false> { rows: self, u, owned, ghosts });
+        }
     }
 
     /// Adds the stiffness of a cell.
@@ -127,15 +135,15 @@ fn incidence(nodes: usize, cells: &Cells, of_list: &[usize]) -> (Vec<u32>, Vec<u
     (first, list)
 }
 
-/// One product.
-struct Product<'a, const DIM: usize> {
+/// One product, with or without instructions that multiply and add.
+struct Product<'a, const DIM: usize, const FUSED: bool> {
     rows: &'a Rows<DIM>,
     u: &'a [f32],
     owned: &'a mut [f32],
     ghosts: &'a mut [f32],
 }
 
-impl<const DIM: usize> Kernel for Product<'_, DIM> {
+impl<const DIM: usize, const FUSED: bool> Kernel for Product<'_, DIM, FUSED> {
     #[inline(always)]
     fn run(self) {
         let Self { rows: Rows { own, start, others, beside }, u, owned, ghosts } = self;
@@ -143,18 +151,18 @@ impl<const DIM: usize> Kernel for Product<'_, DIM> {
         let [owned, ghosts] = [owned, ghosts].map(|part| part.as_chunks_mut::<DIM>().0);
         for (node, ((x, own), range)) in u.iter().zip(own).zip(start.windows(2)).enumerate() {
             let mut sum = [0.0; DIM];
-            add(own, x, &mut sum);
+            add::<DIM, FUSED>(own, x, &mut sum);
             let range = range[0] as usize..range[1] as usize;
             let (others, beside) = (&others[range.clone()], &beside[range]);
             // Nodes of larger number, the owned ones first.
             let split = others.partition_point(|other| (*other as usize) < owned.len());
             for (other, block) in others[..split].iter().zip(beside) {
-                add(block, &u[*other as usize], &mut sum);
-                add_transposed(block, x, &mut owned[*other as usize]);
+                add::<DIM, FUSED>(block, &u[*other as usize], &mut sum);
+                add_transposed::<DIM, FUSED>(block, x, &mut owned[*other as usize]);
             }
             for (other, block) in others[split..].iter().zip(&beside[split..]) {
-                add(block, &u[*other as usize], &mut sum);
-                add_transposed(block, x, &mut ghosts[*other as usize - owned.len()]);
+                add::<DIM, FUSED>(block, &u[*other as usize], &mut sum);
+                add_transposed::<DIM, FUSED>(block, x, &mut ghosts[*other as usize - owned.len()]);
             }
             let to = match node.checked_sub(owned.len()) {
                 None => &mut owned[node],
@@ -165,20 +173,35 @@ impl<const DIM: usize> Kernel for Product<'_, DIM> {
     }
 }
 
+/// Adds the product with a block.
 #[inline(always)]
-fn add<const DIM: usize>(block: &Block<DIM>, x: &[f32; DIM], sum: &mut [f32; DIM]) {
+fn add<const DIM: usize, const FUSED: bool>(
+    block: &Block<DIM>,
+    x: &[f32; DIM],
+    sum: &mut [f32; DIM],
+) {
+    for d in 0..DIM {
+        for c in 0..DIM {
+            sum[c] = plus::<FUSED>(sum[c], block[c][d], x[d]);
+        }
+    }
+}
+
+/// Adds the product with a block across the diagonal.
+#[inline(always)]
+fn add_transposed<const DIM: usize, const FUSED: bool>(
+    block: &Block<DIM>,
+    x: &[f32; DIM],
+    sum: &mut [f32; DIM],
+) {
     for c in 0..DIM {
         for d in 0..DIM {
-            sum[c] += block[c][d] * x[d];
+            sum[d] = plus::<FUSED>(sum[d], block[c][d], x[c]);
         }
     }
 }
 
 #[inline(always)]
-fn add_transposed<const DIM: usize>(block: &Block<DIM>, x: &[f32; DIM], sum: &mut [f32; DIM]) {
-    for c in 0..DIM {
-        for d in 0..DIM {
-            sum[d] += block[c][d] * x[c];
-        }
-    }
+fn plus<const FUSED: bool>(sum: f32, factor: f32, value: f32) -> f32 {
+    if FUSED { factor.mul_add(value, sum) } else { sum + factor * value }
 }

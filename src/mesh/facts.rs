@@ -48,13 +48,6 @@ impl MeshFacts {
     pub fn has_coarser(&self) -> bool {
         !self.coarser.is_empty() || self.order > 1
     }
-
-    /// Nodes of the coarsest of them, about.
-    pub fn coarsest_nodes(&self) -> f64 {
-        let of_finest = if self.order > 1 { self.corners } else { self.nodes } as f64;
-        let coarsest = self.coarser.first().copied().unwrap_or(self.cells);
-        of_finest * coarsest as f64 / self.cells.max(1) as f64
-    }
 }
 
 /// Two bodies that an interface joins.

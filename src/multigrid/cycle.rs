@@ -42,12 +42,69 @@ struct Level {
     work: RefCell<Work>,
 }
 
+/// What corrects the coarsest level.
+pub enum CoarsestSolver {
+    /// A direct solver.
+    Elimination(LinearSolver),
+    /// Cycles of another multigrid.
+    Cycles(Cycles),
+}
+
+/// Cycles in the place of elimination: more of them save few iterations of the finest level.
+const TIMES: usize = 4;
+
+/// Cycles of a preconditioner of a level, one after the other: together they are symmetric.
+pub struct Cycles {
+    preconditioner: Rc<dyn Preconditioner>,
+    operator: Rc<TangentOperator>,
+    /// Right-hand side or rest, and correction.
+    work: RefCell<[Vec<f64>; 2]>,
+    product: RefCell<Vec<f32>>,
+}
+
+impl CoarsestSolver {
+    /// Those of a preconditioner for an operator. Local.
+    pub fn cycles(preconditioner: Rc<dyn Preconditioner>, operator: &Rc<TangentOperator>) -> Self {
+        let (operator, work) = (Rc::clone(operator), RefCell::default());
+        Self::Cycles(Cycles { preconditioner, operator, work, product: RefCell::default() })
+    }
+
+    /// The correction for a right-hand side. Collective.
+    fn solve(&self, b: &[f32], x: &mut [f32]) -> Result<()> {
+        match self {
+            Self::Elimination(solver) => solver.solve(b, x),
+            Self::Cycles(cycles) => cycles.correct(b, x),
+        }
+    }
+}
+
+impl Cycles {
+    fn correct(&self, b: &[f32], x: &mut [f32]) -> Result<()> {
+        let ([rest, step], product) =
+            (&mut *self.work.borrow_mut(), &mut *self.product.borrow_mut());
+        step.resize(b.len(), 0.0);
+        product.resize(b.len(), 0.0);
+        rest.clear();
+        rest.extend(b.iter().map(|b| f64::from(*b)));
+        self.preconditioner.apply(rest, step)?;
+        x.iter_mut().zip(&*step).for_each(|(x, step)| *x = *step as f32);
+        for _ in 1..TIMES {
+            self.operator.multiply_in(x, product);
+            let left = rest.iter_mut().zip(b).zip(&*product);
+            left.for_each(|((rest, b), product)| *rest = f64::from(b - product));
+            self.preconditioner.apply(rest, step)?;
+            x.iter_mut().zip(&*step).for_each(|(x, step)| *x += *step as f32);
+        }
+        Ok(())
+    }
+}
+
 /// A symmetric V-cycle as a preconditioner.
 pub struct Cycle {
     comm: Comm,
     /// From the one above the coarsest to the finest.
     levels: Vec<Level>,
-    coarsest: LinearSolver,
+    coarsest: CoarsestSolver,
     /// Of a cell against one displacement, at most (N/m).
     stiffness: f64,
     /// Right-hand side and correction of the finest level.
@@ -102,7 +159,7 @@ impl Cycle {
         comm: &Comm,
         operators: &[Rc<TangentOperator>],
         transfers: impl Iterator<Item = Rc<Transfer>>,
-        coarsest: LinearSolver,
+        coarsest: CoarsestSolver,
     ) -> Self {
         let levels = operators[1..].iter().zip(transfers);
         let levels = levels.map(|(operator, transfer)| Level::new(Rc::clone(operator), transfer));

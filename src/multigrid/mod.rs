@@ -13,13 +13,13 @@ use std::rc::Rc;
 
 use crate::assembly::{Discretization, NodeState, Pattern, Tangent, TangentOperator};
 use crate::comm::Comm;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::mesh::Interpolation;
 use crate::petsc::{
     LinearOperator, LinearSolver, Matrix, MultigridLevel, Petsc, Preconditioner, Smoother,
 };
 
-use cycle::Cycle;
+use cycle::{CoarsestSolver, Cycle};
 pub use spectrum::largest_eigenvalue;
 pub use transfer::Transfer;
 
@@ -45,15 +45,40 @@ pub struct Level {
     pub interpolation: Interpolation,
 }
 
+/// A coarsest level that is too large for elimination.
+pub trait CoarsestLevel {
+    /// Makes a symmetric positive definite preconditioner for a state of every entry of
+    /// `Discretization::secondary`. Collective.
+    ///
+    /// # Errors
+    /// Those of its parts.
+    fn set_up(&mut self, comm: &Comm, all: &Discretization, state: &[NodeState]) -> Result<()>;
+
+    /// The preconditioner, which follows each set-up. Local.
+    fn preconditioner(&self) -> Rc<dyn Preconditioner>;
+}
+
+/// How the coarsest level is solved.
+enum Coarsest {
+    /// Not known yet.
+    None,
+    /// By what PETSc's options say, of an assembled matrix.
+    Assembled(Box<Tangent>, Matrix),
+    /// By cycles of another multigrid.
+    Cycles(Box<dyn CoarsestLevel>),
+}
+
 /// The levels below the finest, coarsest first, and what joins them.
 pub struct Hierarchy {
     /// Operators of all levels, the finest included.
     operators: Vec<Rc<TangentOperator>>,
-    /// Matrices of the levels below the finest; the first one is assembled.
+    /// Matrices of the levels between the coarsest and the finest.
     matrices: Vec<Matrix>,
     /// From each level to the next finer one, as operators and for PETSc.
     transfers: Vec<(Rc<Transfer>, Matrix)>,
-    coarsest: Tangent,
+    coarsest: Coarsest,
+    /// That it has been set up for.
+    state_of_coarsest: Option<Vec<NodeState>>,
     /// Largest eigenvalue over the diagonal of the tied body, from the level above the coarsest.
     largest: Vec<f64>,
     /// The smoothers of the same levels.
@@ -84,13 +109,7 @@ impl Hierarchy {
             operators.push(operator);
             stencils.push(interpolation);
         }
-        let all = operators[0].discretization();
-        let pattern = Pattern::new(comm, all);
-        let (own, other) = pattern.counts(all.nodes.first);
-        let rows = all.nodes.owned * all.dim;
-        let mut matrices = vec![Matrix::new(petsc, rows, all.dim, &own, &other)?];
-        let coarsest = Tangent::new(all, pattern, operators[0].identity_entry());
-        let mut transfers = Vec::new();
+        let (mut matrices, mut transfers) = (Vec::new(), Vec::new());
         for level in 1..operators.len() {
             let (coarse, fine) = (&operators[level - 1], &operators[level]);
             let stencil = std::mem::take(&mut stencils[level]);
@@ -108,8 +127,41 @@ impl Hierarchy {
                 matrices.push(Matrix::shell(petsc, rows, rows, dim, fine.clone())?);
             }
         }
-        let smoothers = Vec::new();
-        Ok(Self { operators, matrices, transfers, coarsest, largest, smoothers, cycle: None })
+        Ok(Self {
+            operators,
+            matrices,
+            transfers,
+            coarsest: Coarsest::None,
+            state_of_coarsest: None,
+            largest,
+            smoothers: Vec::new(),
+            cycle: None,
+        })
+    }
+
+    /// Gives the coarsest level a matrix, to be solved as PETSc's options say. Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails or memory is short.
+    pub fn assemble_coarsest(&mut self, comm: &Comm, petsc: &Petsc) -> Result<()> {
+        let all = self.coarsest();
+        let pattern = Pattern::new(comm, all);
+        let (own, other) = pattern.counts(all.nodes.first);
+        let rows = all.nodes.owned * all.dim;
+        let matrix = Matrix::new(petsc, rows, all.dim, &own, &other)?;
+        let tangent = Tangent::new(all, pattern, self.operators[0].identity_entry());
+        self.coarsest = Coarsest::Assembled(Box::new(tangent), matrix);
+        Ok(())
+    }
+
+    /// The discretisation of the coarsest level, and the entry of its identity rows (N/m).
+    pub fn coarsest(&self) -> &Rc<Discretization> {
+        self.operators[0].discretization()
+    }
+
+    /// The entry of the identity rows of the coarsest level (N/m).
+    pub fn coarsest_identity(&self) -> f64 {
+        self.operators[0].identity_entry()
     }
 
     /// The operator of the finest level.
@@ -131,18 +183,35 @@ impl Hierarchy {
     /// `prefix` say. Collective.
     ///
     /// # Errors
-    /// `System` when PETSc fails.
+    /// `System` when PETSc fails or memory is short.
     pub fn own_cycle(
         &mut self,
         comm: &Comm,
         petsc: &Petsc,
         prefix: &str,
     ) -> Result<Rc<dyn Preconditioner>> {
-        let coarsest = LinearSolver::new(petsc, prefix, &self.matrices[0])?;
+        self.assemble_coarsest(comm, petsc)?;
+        let Coarsest::Assembled(_, matrix) = &self.coarsest else { unreachable!("assembled") };
+        let solver = LinearSolver::new(petsc, prefix, matrix)?;
+        Ok(self.cycle_over(comm, CoarsestSolver::Elimination(solver)))
+    }
+
+    /// As [`Hierarchy::own_cycle`], whose coarsest level is large. Local.
+    pub fn own_cycle_above(
+        &mut self,
+        comm: &Comm,
+        coarsest: Box<dyn CoarsestLevel>,
+    ) -> Rc<dyn Preconditioner> {
+        let solver = CoarsestSolver::cycles(coarsest.preconditioner(), &self.operators[0]);
+        self.coarsest = Coarsest::Cycles(coarsest);
+        self.cycle_over(comm, solver)
+    }
+
+    fn cycle_over(&mut self, comm: &Comm, coarsest: CoarsestSolver) -> Rc<dyn Preconditioner> {
         let transfers = self.transfers.iter().map(|(transfer, _)| Rc::clone(transfer));
         let cycle = Rc::new(Cycle::new(comm, &self.operators, transfers, coarsest));
         self.cycle = Some(Rc::clone(&cycle));
-        Ok(cycle)
+        cycle
     }
 
     /// Tells the smoother of a level above the coarsest what to damp. Collective.
@@ -172,8 +241,14 @@ impl Hierarchy {
     /// The levels for PETSc, coarsest first.
     pub fn levels(&self) -> Vec<MultigridLevel<'_>> {
         let level = |number: usize| {
-            let interpolation = number.checked_sub(1).map(|below| &self.transfers[below].1);
-            MultigridLevel { matrix: self.matrices.get(number), interpolation }
+            let below = number.checked_sub(1);
+            let interpolation = below.map(|below| &self.transfers[below].1);
+            let matrix = match (below, &self.coarsest) {
+                (None, Coarsest::Assembled(_, matrix)) => Some(matrix),
+                (None, _) => None,
+                (Some(below), _) => self.matrices.get(below),
+            };
+            MultigridLevel { matrix, interpolation }
         };
         (0..self.operators.len()).map(level).collect()
     }
@@ -200,19 +275,34 @@ impl Hierarchy {
                 self.damp(comm, level)?;
             }
             if level == 0 {
-                // With one level the finest matrix is not the one that is eliminated.
-                let all = self.operators[0].discretization();
-                self.coarsest.assemble(comm, all, &state, &mut self.matrices[0])?;
+                self.set_coarsest(comm, &state)?;
             } else {
                 state = self.transfers[level - 1].0.restrict_state(&state);
             }
-            let matrix = if level + 1 == self.operators.len() {
-                &mut *finest
-            } else {
-                &mut self.matrices[level]
-            };
-            matrix.assemble()?;
+            if level + 1 == self.operators.len() {
+                // With one level the finest matrix is not the one that is eliminated.
+                finest.assemble()?;
+            } else if level > 0 {
+                self.matrices[level - 1].assemble()?;
+            }
         }
         Ok(())
+    }
+
+    fn set_coarsest(&mut self, comm: &Comm, state: &[NodeState]) -> Result<()> {
+        // Most instants of a run that does not soften have the state of the one before.
+        if !comm.any(self.state_of_coarsest.as_deref() != Some(state)) {
+            return Ok(());
+        }
+        self.state_of_coarsest = Some(state.to_vec());
+        let all = self.operators[0].discretization();
+        match &mut self.coarsest {
+            Coarsest::None => Err(Error::Bug("a coarsest level that nothing solves".into())),
+            Coarsest::Cycles(level) => level.set_up(comm, all, state),
+            Coarsest::Assembled(tangent, matrix) => {
+                tangent.assemble(comm, all, state, matrix)?;
+                matrix.assemble()
+            }
+        }
     }
 }

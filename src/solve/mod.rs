@@ -8,6 +8,7 @@ mod problem;
 mod stability;
 mod flow;
 mod stepping;
+mod levels;
 mod setup;
 mod state;
 

@@ -6,6 +6,7 @@ use super::flow::Flow;
 use super::flow::coupled::Coupling;
 use super::flow::pressures::Displacements;
 use super::flow::setup::{MECHANICS, Mechanics, couple, known_pressure};
+use super::levels::with_levels;
 use super::model::interfaces::{InterfaceState, JointLaw};
 use super::model::linear::{AGGREGATION, LinearChoice, LinearTarget, MULTIGRID};
 use super::model::near_null_space::rigid_motions;
@@ -253,7 +254,7 @@ fn system(
         let mut hierarchy = Hierarchy::new(comm, petsc, levels)?;
         let rows = all.nodes.owned * dim;
         let matrix = Matrix::shell(petsc, rows, rows, dim, hierarchy.finest().clone())?;
-        let snes = with_levels(runtime, prefix, matrix, &setup, &mut hierarchy)?;
+        let snes = with_levels(runtime, prefix, case.axes, matrix, &setup, &mut hierarchy)?;
         return Ok(System {
             snes,
             form: TangentForm::Levels(hierarchy),
@@ -288,27 +289,6 @@ fn system(
     let form = TangentForm::Assembled(Tangent::new(all, pattern, diagonal));
     let snes = Snes::new(petsc, prefix, matrix, &setup)?;
     Ok(System { snes, form, diagonal, saddle: None, rows })
-}
-
-/// The solver with levels of multigrid: a cycle of our own, or PETSc's where the user chooses a
-/// preconditioner or the levels do not serve. Collective.
-fn with_levels(
-    runtime: &Runtime,
-    prefix: &str,
-    matrix: Matrix,
-    setup: &KspSetup,
-    hierarchy: &mut Hierarchy,
-) -> Result<Snes> {
-    let (comm, petsc) = (&runtime.comm, &runtime.petsc);
-    if petsc.has_option(&format!("{prefix}pc_type"))? || !hierarchy.serves_in_single_precision(comm)
-    {
-        let snes = Snes::with_levels(petsc, prefix, matrix, setup, &hierarchy.levels())?;
-        hierarchy.take_smoothers(snes.smoothers()?);
-        return Ok(snes);
-    }
-    let mut snes = Snes::new(petsc, prefix, matrix, &setup.with("pc_type", "shell"))?;
-    snes.precondition_by(hierarchy.own_cycle(comm, petsc, &format!("{prefix}mg_coarse_"))?)?;
-    Ok(snes)
 }
 
 /// Sets up SNES with a matrix of blocks, preconditioned by smoothed aggregation. Collective.

@@ -112,3 +112,24 @@ fn a_coarse_box_refined_gives_the_history_of_the_fine_one() {
         scene(counts, times).on(ranks).assert_same(&fine, 1e-10);
     }
 }
+
+/// A coarsest level that is too large for elimination has cycles of smoothed aggregation.
+#[test]
+fn a_large_coarsest_level_is_not_eliminated() {
+    let scene = scene([14, 14, 16], 0)
+        .set("mesh.raise_order=2")
+        .set("solver.linear=multigrid")
+        .set("time.instants=[2]");
+    let cycles = scene.on(2);
+    let eliminated = scene
+        .set(
+            "solver.petsc_options=-mg_coarse_pc_type cholesky -mg_coarse_ksp_type preonly \
+             -mg_coarse_pc_factor_mat_solver_type mumps",
+        )
+        .on(2);
+    cycles.assert_same(&eliminated, 1e-8);
+    let [of_cycles, of_elimination] = [&cycles, &eliminated]
+        .map(|run| run.column("linear_iterations")[0] / run.column("newton_iterations")[0]);
+    // As many would mean that the options choose nothing.
+    assert!(of_elimination < of_cycles && of_cycles < 2.0 * of_elimination + 2.0);
+}

@@ -100,6 +100,14 @@ const FEWEST_FOR_LEVELS: f64 = 3000.0;
 /// Up to so many unknowns the mesh of a file is eliminated, in 2D and in 3D.
 const MOST_OF_FILE: [f64; 2] = [3e5, 6e4];
 
+/// Up to so many unknowns the coarsest of several levels is eliminated, in 2D and in 3D.
+const MOST_OF_COARSEST: [f64; 2] = [3e5, 1e4];
+
+/// Whether the coarsest of several levels with so many unknowns is eliminated.
+pub fn eliminates_coarsest(dim: usize, unknowns: f64) -> bool {
+    unknowns <= MOST_OF_COARSEST[dim - 2]
+}
+
 /// Elimination is taken below this many unknowns of a file with coarser meshes.
 const FEWEST_NESTED: f64 = 1e4;
 
@@ -171,7 +179,8 @@ impl LinearChoice {
             return self;
         }
         // A preconditioner of ours rounds to single precision.
-        let method = if self.preset == AGGREGATION { "fgmres" } else { "gmres" };
+        let is_ours = matches!(self.preset, AGGREGATION | MULTIGRID);
+        let method = if is_ours { "fgmres" } else { "gmres" };
         self.options.retain(|(name, _)| *name != "ksp_type");
         self.options.push(("ksp_type", method));
         self.options.push(("ksp_gmres_restart", "100"));
@@ -225,12 +234,9 @@ impl LinearChoice {
 }
 
 impl LinearChoice {
-    /// Multigrid where a file has coarser meshes, the coarsest so small that elimination of it is
-    /// cheap.
+    /// Multigrid where a file has coarser meshes.
     fn nested(mesh: &MeshFacts, unknowns: f64) -> Option<Self> {
-        let coarsest = mesh.coarsest_nodes() * mesh.dim as f64;
-        if !mesh.has_coarser() || unknowns < FEWEST_NESTED || coarsest > MOST_OF_FILE[mesh.dim - 2]
-        {
+        if !mesh.has_coarser() || unknowns < FEWEST_NESTED {
             return None;
         }
         let meshes = match (mesh.coarser.is_empty(), mesh.order) {

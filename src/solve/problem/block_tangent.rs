@@ -7,6 +7,7 @@ use crate::aggregation::Aggregation;
 use crate::assembly::{Discretization, NodeState, Pattern, Tangent};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
+use crate::multigrid::CoarsestLevel;
 use crate::petsc::{LinearOperator, Matrix, Petsc, Preconditioner};
 use crate::solve::model::near_null_space::motions_of_nodes;
 use crate::sparse::BlockMatrix;
@@ -111,7 +112,19 @@ impl BlockTangent {
     ) -> Result<()> {
         self.tangent.assemble(comm, all, state, &mut *self.matrix.0.borrow_mut())
     }
+}
 
+impl CoarsestLevel for BlockTangent {
+    fn set_up(&mut self, comm: &Comm, all: &Discretization, state: &[NodeState]) -> Result<()> {
+        BlockTangent::set_up(self, comm, all, state)
+    }
+
+    fn preconditioner(&self) -> Rc<dyn Preconditioner> {
+        BlockTangent::preconditioner(self)
+    }
+}
+
+impl BlockTangent {
     /// Sets up the preconditioner for a state, stiffened where it softens; the values are to be set
     /// afterwards. Collective.
     ///
