@@ -58,16 +58,39 @@ pub struct Case {
     pub(super) knows_dimension: bool,
     /// The surfaces that may be asked for, each once; see [`Case::surfaces`].
     pub(super) surfaces: Vec<Surface>,
+    /// The surfaces that have a prescribed displacement in some stage; none without stages.
+    pub(super) supported: Vec<Surface>,
+    /// The stages, in their order: what else is said here of supports, loads and materials is that
+    /// of the first one.
+    pub stages: Vec<Stage>,
     /// One sentence for each thing that the file describes and the model leaves out.
     pub left_out: Vec<String>,
     /// The sections it was made of, with defaults written out.
     pub(super) file: CaseFile,
 }
 
+/// A part of the time, in which supports, loads, fluid and materials are the same.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stage {
+    /// When it ends (s).
+    pub until: f64,
+    /// The case as it is in this stage: it starts where the one before ended, and has the instants
+    /// of this one.
+    pub case: Case,
+}
+
 /// Poisson's ratio from which on full integration is not taken.
 const NEARLY_INCOMPRESSIBLE: f64 = 0.45;
 
 impl Case {
+    /// The case as it is in each of its stages; itself where it has none.
+    pub fn in_stages(&self) -> Vec<&Case> {
+        if self.stages.is_empty() {
+            return vec![self];
+        }
+        self.stages.iter().map(|stage| &stage.case).collect()
+    }
+
     /// The surfaces in the order of their bits in the marks of nodes: the sides of a column, or the
     /// groups of a mesh file on which something is prescribed.
     pub fn surfaces(&self) -> &[Surface] {

@@ -9,10 +9,11 @@ mod checked;
 mod checks;
 mod schema;
 pub mod sections;
+mod stages;
 
 pub use crate::input::{Formula, Value};
 pub use crate::law::LawSpec;
-pub use checked::Case;
+pub use checked::{Case, Stage};
 pub use checks::{BULK, CLOSEST_PLANES, Control, ControlKind, Every, FlowSpec, Imperfection};
 pub use checks::{InterfaceQuantity, PhysicsDecision};
 pub use schema::schema;
@@ -29,6 +30,7 @@ use crate::input::problems::Problems;
 use crate::input::text::{LARGEST, read_text_of};
 use crate::input::tree::{self, Data, Node, Origin};
 use checks::Checker;
+use sections::CaseFile;
 
 /// Most overrides.
 const MOST_OVERRIDES: usize = 1000;
@@ -117,14 +119,21 @@ fn read_tree(
     dim_of_file: Option<usize>,
 ) -> Result<Case> {
     let broken = schema::check(&mut tree, &mut problems);
-    let file = match serde_json::from_value(readable(&tree, &broken)) {
+    let file = match sections_of(&tree, &broken, path) {
         Ok(file) => file,
-        Err(error) if problems.is_empty() => {
-            return Err(Error::Input(format!("{}: {error}", path.display())));
-        }
+        Err(error) if problems.is_empty() => return Err(error),
         Err(_) => return Err(problems.into_error()),
     };
+    if !file.stages.is_empty() {
+        return stages::case(&tree, file, path, problems, broken, dim_of_file);
+    }
     Checker::new(&tree, problems, broken, dim_of_file).case(file, path)
+}
+
+/// The sections of a tree, with placeholders for those that are broken.
+fn sections_of(tree: &Node, broken: &BTreeSet<String>, path: &Path) -> Result<CaseFile> {
+    serde_json::from_value(readable(tree, broken))
+        .map_err(|error| Error::Input(format!("{}: {error}", path.display())))
 }
 
 /// Refuses more overrides than anyone types.

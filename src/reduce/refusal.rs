@@ -19,15 +19,20 @@ pub struct Situation {
     pub goes_on: bool,
     /// Whether the command line or the environment has options for PETSc.
     pub has_options: bool,
+    /// Whether the case has stages.
+    pub has_stages: bool,
 }
 
 /// Why no smaller model is tried, in words; none if one is. Local.
 pub fn refusal(case: &Case, situation: Situation) -> Option<String> {
-    let Situation { unknowns, goes_on, has_options } = situation;
+    let Situation { unknowns, goes_on, has_options, has_stages } = situation;
     let solver = &case.solver;
     let says = |text: &str| Some(text.to_owned());
     if case.reduce == Reduce::Never {
         return says("reduce: never");
+    }
+    if has_stages {
+        return says("the case has stages");
     }
     if unknowns < FEWEST_UNKNOWNS {
         return says("the model is small as it is");
@@ -115,7 +120,8 @@ mod tests {
 
     #[test]
     fn reasons_are_told_in_words() {
-        let situation = Situation { unknowns: 5000, goes_on: false, has_options: false };
+        let situation =
+            Situation { unknowns: 5000, goes_on: false, has_options: false, has_stages: false };
         assert_eq!(refusal(&case("", &[]), situation), None);
         let imperfection = "initial: {imperfection: [{interface: joint, factor: 0.9}]}";
         for (case, situation, words) in [
@@ -123,6 +129,7 @@ mod tests {
             (case("", &[]), Situation { unknowns: 100, ..situation }, "small"),
             (case("", &[]), Situation { goes_on: true, ..situation }, "checkpoint"),
             (case("", &[]), Situation { has_options: true, ..situation }, "PETSc"),
+            (case("", &[]), Situation { has_stages: true, ..situation }, "stages"),
             (case("", &["solver.linear=gamg"]), situation, "solver names"),
             (case("", &["solver.petsc_options=-ksp_monitor"]), situation, "PETSc"),
             (case("", &["solver.stability=warn"]), situation, "solver.stability"),
@@ -146,7 +153,8 @@ mod tests {
 
     #[test]
     fn a_load_that_is_the_same_everywhere_does_not_vary() {
-        let situation = Situation { unknowns: 5000, goes_on: false, has_options: false };
+        let situation =
+            Situation { unknowns: 5000, goes_on: false, has_options: false, has_stages: false };
         let case = case("", &["boundary.1.displacement.z={formula: 1e-3*t}", "body_force.z=2"]);
         assert_eq!(refusal(&case, situation), None);
         assert_eq!(loads_at(&case, 1.0), [0.0, 0.0, 2.0, 0.0, 0.0, 0.0]);

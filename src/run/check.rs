@@ -42,7 +42,15 @@ pub fn describe(case: &Case) -> Result<String> {
     let choice = LinearChoice::new(case, &facts)?;
     let sides = Sides::choose(case, &facts);
     if facts.nodes <= MOST_NODES {
-        on_whole_mesh(case, &family.whole()?, &sides)?;
+        let mesh = family.whole()?;
+        for (number, stage) in case.in_stages().into_iter().enumerate() {
+            on_whole_mesh(stage, &mesh, &sides).map_err(|error| match error {
+                Error::Input(text) if number > 0 => {
+                    Error::Input(format!("stages.{number}: {text}"))
+                }
+                other => other,
+            })?;
+        }
     }
     let bytes = memory(choice.preset, case, &facts, 1);
     let mut text = format!("{}\n", case.title);
@@ -71,6 +79,10 @@ pub fn describe(case: &Case) -> Result<String> {
     line("memory", format!("about {:.2} GB on one rank", bytes / 1e9))?;
     line("disk", format!("about {:.3} GB", disk(case, &facts) / 1e9))?;
     line("instants", format!("{}", case.time.len()))?;
+    if !case.stages.is_empty() {
+        let ends: Vec<String> = case.stages.iter().map(|stage| stage.until.to_string()).collect();
+        line("stages", format!("{}, until {}", ends.len(), ends.join(", ")))?;
+    }
     line("output", format!("{}", case.output.directory.display()))?;
     text.push_str("the case is right\n");
     Ok(text)
@@ -105,7 +117,8 @@ fn on_whole_mesh(case: &Case, mesh: &LocalMesh, sides: &[Sides]) -> Result<()> {
 
 /// Whether a run would try a smaller model, in words.
 fn reduction(case: &Case, family: &MeshFamily, unknowns: u64) -> String {
-    let situation = Situation { unknowns, goes_on: false, has_options: false };
+    let has_stages = !case.stages.is_empty();
+    let situation = Situation { unknowns, goes_on: false, has_options: false, has_stages };
     if let Some(why) = refusal(case, situation) {
         return format!("no: {why}");
     }

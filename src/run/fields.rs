@@ -132,6 +132,10 @@ impl FieldWriter {
             }
             stress.extend(all.cells.stress(cell, &u));
         }
+        if let Some(prestress) = &problem.prestress {
+            let before = prestress.stress.as_flattened();
+            stress.iter_mut().zip(before).for_each(|(stress, before)| *stress += before);
+        }
         let grid =
             Grid { points: &mesh.points, connectivity: &mesh.connectivity, shapes: &mesh.shapes };
         let array = |name, components, values| Array { name, components, values };

@@ -24,7 +24,7 @@ pub fn row(
     let mut row = vec![Some(time), Some(factor), counts[0], counts[1]];
     debug_assert_eq!(row.len(), FIRST_OF_INTERFACES);
     row.extend(interface_statistics(case, model, comm));
-    let force = |node: usize, c: usize| problem.balance[node * case.dim + c];
+    let force = |node: usize, c: usize| problem.support_force(node, c);
     let surfaces = case.supported_bits();
     let mut sums = reactions(&problem.all, &surfaces, force);
     comm.sum(sums.as_flattened_mut());

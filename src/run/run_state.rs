@@ -33,6 +33,9 @@ pub struct RunState {
     /// The digest of the mesh, where it is that of a file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mesh: Option<String>,
+    /// Stages of the case before that of the state.
+    #[serde(default)]
+    pub stage: usize,
     /// The solution.
     pub step: StepState,
     /// Instants that were accepted.

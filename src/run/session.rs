@@ -5,6 +5,7 @@ use std::path::Path;
 use super::checkpoint::{Keeper, Progress};
 use super::fields::FieldWriter;
 use super::run_state::RunState;
+use super::same_model::with_columns;
 use super::solution::Solution;
 use super::summary::{Measured, linear_solver, modelled, unused_options};
 use super::{page, probes, screen};
@@ -31,7 +32,7 @@ pub struct Session<'a> {
     /// None where the results stay in memory.
     directory: Option<OutputDirectory>,
     /// Columns and earlier rows, until the history is made.
-    table: Table,
+    table: Option<Table>,
     /// On rank 0.
     history: Option<History>,
     /// Corrections and linear iterations so far.
@@ -68,7 +69,7 @@ impl<'a> Session<'a> {
         let fresh = Table { columns: case.columns(), rows: Vec::new() };
         let keeper = Keeper::new(case.output.checkpoint);
         let (table, counts, residual_norms, accepted, fields) = match state {
-            Some(s) => (s.history, s.counts, s.residual_norms, s.accepted, s.fields),
+            Some(s) => (rows(s.history, case), s.counts, s.residual_norms, s.accepted, s.fields),
             None => (fresh, [0; 2], Vec::new(), 0, Vec::new()),
         };
         let folder = directory.as_ref().map(OutputDirectory::fields).unwrap_or_default();
@@ -80,7 +81,7 @@ impl<'a> Session<'a> {
             timers,
             case,
             directory,
-            table,
+            table: Some(table),
             history,
             fields,
             publisher,
@@ -92,37 +93,66 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Solves and writes every instant that is left. Collective.
-    pub fn solve(&mut self, model: &mut Model<'_>) -> Result<()> {
-        let created = if self.comm.is_root() {
-            let table = std::mem::take(&mut self.table);
-            match &self.directory {
-                Some(directory) => History::resume(directory.history(), table).map(Some),
-                None => Ok(Some(History::in_memory(table))),
-            }
-        } else {
-            Ok(None)
-        };
-        self.history = self.comm.agree(created)?;
-        let solved = self.instants(model);
+    /// Solves and writes the instants that are left of the first `end` ones; the last of them
+    /// leaves a checkpoint. Collective.
+    pub fn solve(&mut self, model: &mut Model<'_>, end: usize) -> Result<()> {
+        self.open()?;
+        let solved = self.instants(model, end);
         let _phase = self.timers.enter(Phase::Output);
         let stopped = matches!(solved, Err(Error::Stopped(_)));
         let last = self.solution.last_time(self.case, model, self.accepted);
-        if stopped && !self.keeper.is_current(last) {
+        if (stopped || solved.is_ok()) && !self.keeper.is_current(last) {
             self.write_checkpoint(model)?;
         }
-        let flushed = self.history.as_ref().map_or(Ok(()), History::flush);
-        let published = self.comm.agree(self.publisher.finish().and(flushed));
+        if solved.is_ok() && end < self.case.time.len() {
+            return Ok(());
+        }
+        let published = self.finish();
         // What ended the run is told, not what came of it; a stop promises a checkpoint.
         if stopped { published.and(solved) } else { solved.and(published) }
     }
 
-    fn instants(&mut self, model: &mut Model<'_>) -> Result<()> {
+    /// Makes the history, once. Collective.
+    fn open(&mut self) -> Result<()> {
+        let Some(table) = self.table.take() else { return Ok(()) };
+        let created = match &self.directory {
+            _ if !self.comm.is_root() => Ok(None),
+            Some(directory) => History::resume(directory.history(), table).map(Some),
+            None => Ok(Some(History::in_memory(table))),
+        };
+        self.history = self.comm.agree(created)?;
+        Ok(())
+    }
+
+    /// Brings all that was written to the disk. Collective.
+    fn finish(&mut self) -> Result<()> {
+        let flushed = self.history.as_ref().map_or(Ok(()), History::flush);
+        self.comm.agree(self.publisher.finish().and(flushed))
+    }
+
+    /// Goes on with the model of the next stage, whose states come from `solution`. Local.
+    pub fn enter(&mut self, solution: Solution) {
+        let folder = self.directory.as_ref().map(OutputDirectory::fields).unwrap_or_default();
+        let written = std::mem::take(&mut self.fields.written);
+        self.fields = FieldWriter::new(self.case, &folder, written);
+        self.solution = solution;
+    }
+
+    /// Ends between two stages, where `error` keeps the next one from beginning: that error, with
+    /// what of the results is valid. Collective.
+    pub fn leave(mut self, error: Error) -> Error {
+        if let Err(cause) = self.finish() {
+            tracing::warn!("warning: {cause}");
+        }
+        self.with_place(error)
+    }
+
+    fn instants(&mut self, model: &mut Model<'_>, end: usize) -> Result<()> {
         let probes = probes::locate(self.comm, self.case, &model.mesh)?;
         let names: Vec<String> = self.case.interfaces.iter().map(|i| i.name.clone()).collect();
         tracing::info!("{}", tables::instant_header(&names));
         let progress = screen::Progress::new(self.comm.is_root(), self.case.time.len());
-        for (number, time) in self.case.time.iter().enumerate().skip(self.accepted) {
+        for (number, time) in self.case.time.iter().enumerate().take(end).skip(self.accepted) {
             let accepted = self.advance(model, number)?;
             self.counts[0] += accepted.newton_iterations as u64;
             self.counts[1] += accepted.linear_iterations as u64;
@@ -335,6 +365,14 @@ impl<'a> Session<'a> {
             .map(|e| evaluate(history.table(), &e.quantity, e.at, e.equals, e.relative, e.absolute))
             .collect()
     }
+}
+
+/// The rows of an earlier run under the columns of the case.
+fn rows(history: Table, case: &Case) -> Table {
+    if history.rows.is_empty() {
+        return Table { columns: case.columns(), rows: Vec::new() };
+    }
+    with_columns(&history, case).unwrap_or(history)
 }
 
 /// How a run ended.

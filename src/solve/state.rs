@@ -17,10 +17,14 @@ pub const INTERFACE_WIDTH: usize = 6;
 pub struct State {
     /// Displacement components per node.
     dim: usize,
+    /// Whether there is a pore pressure.
+    has_pressure: bool,
     /// What is not a field.
     pub step: StepState,
     /// By node: displacement (m), then the force of supports and loads (N), by component; with flow
-    /// the pore pressure (Pa) and its rate in the last step (Pa/s), 0 where there is none.
+    /// the pore pressure (Pa) and its rate in the last step (Pa/s), 0 where there is none. In a
+    /// later stage, by component, reactions that are released and by how much loads jump at its
+    /// start (N), and the displacements at the start of each stage but the first (m).
     pub nodal: Rows,
     /// By secondary node: history (m), energy dissipated per area (J/m2), sliding by tangential
     /// component (m), its path (m), and the work of friction (J).
@@ -38,11 +42,15 @@ impl State {
             let name = columns.into_iter().nth(at % rows.width)?;
             Some((name, rows.names[at / rows.width], rows.values[at]))
         };
+        let pressures = usize::from(self.has_pressure);
         let nodal = [
             ("displacement", self.dim),
             ("force of supports and loads", self.dim),
-            ("pressure", 1),
-            ("rate of the pressure", 1),
+            ("pressure", pressures),
+            ("rate of the pressure", pressures),
+            ("released reaction", self.dim),
+            ("jump of the loads", self.dim),
+            ("displacement at the start of a stage", self.nodal.width),
         ];
         find(&self.nodal, &nodal).or_else(|| {
             let interface = [
@@ -92,7 +100,15 @@ impl Stepper<'_> {
     /// `System` when PETSc fails.
     pub fn state(&self) -> Result<State> {
         let (nodal, interface) = (self.nodal_rows(), self.interface_rows());
-        Ok(State { dim: self.problem.all.dim, step: self.step_state(), nodal, interface })
+        let (dim, has_pressure) = (self.problem.all.dim, self.coupling.is_some());
+        Ok(State { dim, has_pressure, step: self.step_state(), nodal, interface })
+    }
+
+    /// Numbers of a row of [`State::nodal`].
+    pub fn nodal_width(&self) -> usize {
+        let pores = if self.coupling.is_some() { 2 } else { 0 };
+        let of_stages = if self.stage > 0 { 2 + self.stage } else { 0 };
+        (2 + of_stages) * self.problem.all.dim + pores
     }
 
     /// [`State::nodal`] of the last accepted state. Collective.
@@ -106,14 +122,26 @@ impl Stepper<'_> {
             let rate = flow.pace.as_ref().and_then(|pace| pace.rate.as_ref()).unwrap_or(&none);
             [flow.at_corners(all, flow.accepted_pressure()), flow.at_corners(all, rate)]
         });
-        let width = 2 * dim + if pressure.is_some() { 2 } else { 0 };
+        let width = self.nodal_width();
+        let of_stages = self.of_stages();
         let mut values = Vec::with_capacity(names.len() * width);
         let rows = self.work.displacement.chunks_exact(dim).zip(self.work.force.chunks_exact(dim));
         for (node, (displacement, force)) in rows.enumerate() {
             values.extend(displacement.iter().chain(force));
             values.extend(pressure.iter().flatten().map(|of| of[node]));
+            values.extend(of_stages.iter().flat_map(|of| &of[node * dim..][..dim]));
         }
         Rows { width, names, values }
+    }
+
+    /// What of [`State::nodal`] a later stage has, each by owned unknown. Local.
+    fn of_stages(&self) -> Vec<&[f64]> {
+        let (Some(carried), Some(release)) = (&self.carried, &self.problem.release) else {
+            return Vec::new();
+        };
+        // What the jump is made of stands at the owners alone.
+        let owned = [&release.force[..], &carried.jump[..release.force.len()]];
+        owned.into_iter().chain(carried.starts.iter().map(|start| &start[..])).collect()
     }
 
     /// [`State::interface`] of the last accepted state. Local.
@@ -148,6 +176,7 @@ impl Stepper<'_> {
             time: self.time,
             step: self.step.is_finite().then_some(self.step),
             energy: [elastic, dissipated, external, friction],
+            elsewhere: self.work.elsewhere,
             fluid: self.fluid_state(),
             has_begun: self.has_begun,
             ramp: self.grows_until(),
@@ -217,12 +246,14 @@ impl Stepper<'_> {
         self.x.write()?[..self.work.displacement.len()].copy_from_slice(&self.work.displacement);
         self.has_begun |= step.has_begun;
         // Nothing acts on the undeformed state yet, whatever its pressures.
-        let acts = step.time > self.case.start || step.has_begun && self.starts_in_equilibrium();
+        let acts = step.time > self.case.start
+            || self.stage > 0
+            || step.has_begun && self.starts_in_equilibrium();
         self.resume_flow(nodal, step.fluid, acts)?;
         self.resume_load(step.time, step.fluid.work)?;
         let [elastic, dissipated, external, friction] = step.energy;
         self.energy = Energy { elastic, dissipated, external, friction, fluid: step.fluid.work };
-        self.work.total = external;
+        (self.work.total, self.work.elsewhere) = (external, step.elsewhere);
         self.time = step.time;
         self.step = step.step.unwrap_or(f64::INFINITY);
         self.tries_smaller_steps = step.tries_smaller_steps;
@@ -241,11 +272,9 @@ impl Stepper<'_> {
     }
 
     /// Finds the tractions of the state that `self.x` holds. Collective.
-    fn resume_tractions(&mut self) -> Result<()> {
-        let path = self.problem.path.as_ref();
-        let time = path.map_or(self.time, |path| path.load_time(self.time));
+    pub(super) fn resume_tractions(&mut self) -> Result<()> {
         let norm = self.problem.residual_norm;
-        self.set_load(time, self.part_at(time))?;
+        self.set_accepted_load()?;
         if let Some(Coupling { flow, .. }) = &self.coupling {
             let force = &mut self.problem.pore_force;
             force.clear();

@@ -54,6 +54,7 @@ mod short_joints;
 mod signals;
 mod small_meshes;
 mod stability;
+mod stages;
 mod steps;
 mod suite;
 mod units;

@@ -98,6 +98,8 @@ impl Checker<'_> {
             axes: self.axes,
             knows_dimension: self.knows_dimension,
             surfaces,
+            supported: self.supported_in_stages(),
+            stages: Vec::new(),
             mesh,
             materials,
             interfaces,

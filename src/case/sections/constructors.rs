@@ -28,6 +28,7 @@ impl CaseFile {
             body_force: Components::default(),
             initial: None,
             time,
+            stages: Vec::new(),
             physics: Physics::default(),
             control: None,
             solver: SolverSpec::default(),

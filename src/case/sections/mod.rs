@@ -46,6 +46,7 @@ mod mesh;
 mod output;
 pub(crate) mod quantity;
 mod solver;
+mod stage;
 
 pub use boundary::{BoundarySpec, Surface, SurfaceBit};
 pub use file::{
@@ -65,3 +66,7 @@ pub use quantity::{
     InitialSection, LimitsSection, Quantity, TableSection,
 };
 pub use solver::{Form, Linear, Reduce, SolverSpec, Stability};
+pub use stage::{
+    FreeWord, StageBoundarySection, StageComponents, StageDisplacement, StageElasticSection,
+    StageFluidSection, StageMaterialSection, StagePorousSection, StageQuantity, StageSection,
+};

@@ -32,6 +32,31 @@ pub struct FormulaSection {
     pub formula: String,
 }
 
+/// Components along x, y, z; in 2D there is no y in a column, and no z on a mesh file.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Components {
+    /// Along x.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub x: Option<Quantity>,
+    /// Along y.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub y: Option<Quantity>,
+    /// Along z.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub z: Option<Quantity>,
+    /// Along the outward normal of the surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub normal: Option<Quantity>,
+}
+
+impl Components {
+    /// Whether no component is given.
+    pub fn is_empty(&self) -> bool {
+        [&self.x, &self.y, &self.z, &self.normal].into_iter().all(Option::is_none)
+    }
+}
+
 /// Fluid in an interface.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -99,7 +99,8 @@ pub(in crate::solve) fn discretize(
     Ok((Discretization::new(case.dim, cells, nodes, frames, fixed, rows), remarks))
 }
 
-fn cells(case: &Case, mesh: &LocalMesh, nodes: &Nodes) -> Cells {
+/// The cells of a mesh with the stiffness of the materials of a case. Local.
+pub(in crate::solve) fn cells(case: &Case, mesh: &LocalMesh, nodes: &Nodes) -> Cells {
     let axes = case.axes;
     let stiffness = mesh
         .prototypes

@@ -16,7 +16,7 @@ mod special;
 mod special_by_name;
 
 pub use boundary_value_problem::BoundaryValueProblem;
-pub(in crate::solve) use boundary_value_problem::discretize;
+pub(in crate::solve) use boundary_value_problem::{cells, discretize};
 pub use division::{divides, family};
 pub use fit::check_whole as check_fit;
 pub(in crate::solve) use fit::has_lost_facets;

@@ -1,5 +1,6 @@
 //! Energy: stored, dissipated, and the work of supports and loads.
 
+use super::Prestress;
 use crate::solve::Problem;
 
 /// Energies of an accepted state (J; 2D: per metre of thickness).
@@ -42,6 +43,7 @@ pub(super) fn potential_as_accepted(problem: &Problem<'_>) -> Option<f64> {
         .take(all.nodes.owned * dim)
         .map(|((force, load), u)| 0.5 * u * (force + load) - u * load)
         .sum();
+    sum += of_prestress(problem);
     let (mut is_pressed_in, moved) = (false, problem.convergence.current().displacement);
     for (index, response) in state.response.iter().enumerate() {
         let rows = &all.secondary[index];
@@ -66,6 +68,7 @@ fn held(problem: &Problem<'_>, load: &[f64]) -> [f64; 2] {
     let forces = problem.bulk_force.iter().zip(load).zip(&problem.displacement);
     let owned = forces.take(all.nodes.owned * dim);
     let mut stored: f64 = owned.map(|((force, load), u)| 0.5 * u * (force + load)).sum();
+    stored += of_prestress(problem);
     let mut dissipated = 0.0;
     let state = &problem.interfaces;
     for (index, response) in state.response.iter().enumerate() {
@@ -80,6 +83,13 @@ fn held(problem: &Problem<'_>, load: &[f64]) -> [f64; 2] {
     [stored, dissipated]
 }
 
+/// What stresses of stages with other stiffnesses add to this rank's part of the energy of the bulk
+/// (J).
+fn of_prestress(problem: &Problem<'_>) -> f64 {
+    let of = |prestress: &Prestress| prestress.energy(&problem.all, &problem.displacement);
+    problem.prestress.as_ref().map_or(0.0, of)
+}
+
 /// What does work between two accepted states.
 #[derive(Debug, Clone)]
 pub(in crate::solve) struct Work {
@@ -90,13 +100,17 @@ pub(in crate::solve) struct Work {
     pub(in crate::solve) pore_force: Vec<f64>,
     /// Their work.
     pub(in crate::solve) of_fluid: f64,
+    /// Stored, dissipated and taken by friction where earlier stages had multipliers and this one
+    /// has none (J).
+    pub(in crate::solve) elsewhere: [f64; 3],
 }
 
 impl Work {
     /// At rest, with `size` owned components.
     pub fn new(size: usize) -> Self {
         let (displacement, force) = (vec![0.0; size], vec![0.0; size]);
-        Self { displacement, force, total: 0.0, pore_force: Vec::new(), of_fluid: 0.0 }
+        let (pore_force, elsewhere) = (Vec::new(), [0.0; 3]);
+        Self { displacement, force, total: 0.0, pore_force, of_fluid: 0.0, elsewhere }
     }
 
     /// Energies of the state that `problem` evaluated last and its interfaces have committed; its
@@ -127,13 +141,22 @@ impl Work {
                 self.force[i] = force;
             }
         }
+        let mut sums = [work, of_fluid];
+        problem.comm.sum(&mut sums);
+        self.total += sums[0];
+        self.of_fluid += sums[1];
+        let (external, fluid) = (self.total, self.of_fluid);
+        let [elastic, dissipated, friction] = self.energies(problem);
+        Energy { elastic, dissipated, external, friction, fluid }
+    }
+
+    /// What the state that `problem` evaluated last stores, has dissipated and has lost to friction
+    /// (J). Collective.
+    pub fn energies(&self, problem: &Problem<'_>) -> [f64; 3] {
         let [stored, dissipated] = held(problem, &problem.applied());
         let friction = problem.interfaces.sliding.iter().map(|node| node.energy).sum();
-        let mut sums = [stored, dissipated, work, of_fluid, friction];
+        let mut sums = [stored, dissipated, friction];
         problem.comm.sum(&mut sums);
-        self.total += sums[2];
-        self.of_fluid += sums[3];
-        let (external, fluid) = (self.total, self.of_fluid);
-        Energy { elastic: sums[0], dissipated: sums[1], external, friction: sums[4], fluid }
+        std::array::from_fn(|i| sums[i] + self.elsewhere[i])
     }
 }

@@ -6,6 +6,7 @@
 
 mod areas;
 pub mod block_tangent;
+mod carried;
 pub(in crate::solve) mod condensed;
 pub(in crate::solve) mod convergence;
 mod cycles;
@@ -20,6 +21,7 @@ mod residual;
 pub(in crate::solve) mod saddle;
 mod unsymmetric;
 
+pub use carried::{Prestress, Release};
 pub use energy::Energy;
 pub use known_pressure::KnownPressure;
 pub(super) use predictor::{Onset, Prediction};
@@ -88,6 +90,10 @@ pub struct Problem<'a> {
     pub pore_force: Vec<f64>,
     /// The pore pressure, where it is a load.
     pub known_pressure: Option<KnownPressure>,
+    /// Reactions of supports that an earlier stage had.
+    pub release: Option<Release>,
+    /// Stresses that stay from stages with other stiffnesses.
+    pub prestress: Option<Prestress>,
     /// Out-of-balance force of the bulk alone at owned nodes: K u - load - pore force (N).
     pub bulk_force: Vec<f64>,
     /// The same with the tractions of the interfaces (N): zero where nothing is prescribed, the
@@ -193,6 +199,8 @@ impl<'a> Problem<'a> {
             load: vec![0.0; components],
             pore_force: Vec::new(),
             known_pressure: None,
+            release: None,
+            prestress: None,
             known_jumps: Vec::new(),
             bulk_force: vec![0.0; components],
             balance: vec![0.0; components],
@@ -218,6 +226,15 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// The force of a support on an unknown of an owned node (N), also of one that an earlier stage
+    /// had; none where there is no support. Local.
+    pub fn support_force(&self, node: usize, component: usize) -> Option<f64> {
+        let unknown = node * self.all.dim + component;
+        let released = || self.release.as_ref().map(|release| release.at(unknown));
+        let is_prescribed = self.all.prescribed[node][component];
+        if is_prescribed { Some(self.balance[unknown]) } else { released() }
+    }
+
     /// Largest stiffness of a cell against one displacement (N/m). Local, the same on all ranks.
     pub(super) fn stiffness(&self) -> f64 {
         self.diagonal
@@ -241,6 +258,9 @@ impl<'a> Problem<'a> {
         });
         self.comm.agree(added)?;
         self.all.frames.fold(&mut self.load);
+        if let Some(release) = &mut self.release {
+            release.add(time, &mut self.load);
+        }
         if let Some(known) = &mut self.known_pressure {
             self.comm.agree(known.set(time))?;
             self.pore_force = known.forces(&self.all);

@@ -1,7 +1,7 @@
 //! Forces of a state and the residual of the condensed form (docs/theory.md, section 4).
 
 use super::measure::Scales;
-use super::{Problem, TangentForm, condensed};
+use super::{Prestress, Problem, TangentForm, condensed};
 use crate::assembly::CellSet;
 use crate::interface::JumpRows;
 use crate::timers::Phase;
@@ -15,6 +15,9 @@ impl Problem<'_> {
         nodes.update_ghosts(&mut self.displacement, dim);
         self.bulk_force.iter_mut().zip(&self.load).for_each(|(f, l)| *f = -l);
         self.bulk_force.iter_mut().zip(&self.pore_force).for_each(|(f, p)| *f -= p);
+        if let Some(Prestress { force, .. }) = &self.prestress {
+            self.bulk_force.iter_mut().zip(force).for_each(|(f, stress)| *f += stress);
+        }
         let (u, force) = (&self.displacement, &mut self.bulk_force);
         if !with_scales {
             self.all.add_forces(CellSet::All, u, force, None);

@@ -17,6 +17,7 @@ mod step_state;
 mod words;
 
 pub use bifurcation::Bifurcation;
+pub use ramp::Carried;
 pub use step_state::{FluidState, MOST_COUNTED, StepState};
 
 use std::time::Duration;
@@ -74,6 +75,10 @@ pub struct Stepper<'a> {
     pub bifurcations: Vec<Bifurcation>,
     /// What else is to be said of accepted states.
     pub remarks: Vec<String>,
+    /// Stages of the case before this one.
+    pub stage: usize,
+    /// What this one has from them.
+    pub(super) carried: Option<Carried>,
     /// Where what jumps at the start has to grow.
     ramp: Option<Ramp>,
     /// Forces of the pressures at the start, per local node, not summed (N).
@@ -130,6 +135,8 @@ impl<'a> Stepper<'a> {
             instabilities,
             bifurcations,
             remarks: Vec::new(),
+            stage: 0,
+            carried: None,
             ramp: None,
             initial_pore_force: Vec::new(),
             tries_smaller_steps,
@@ -203,9 +210,11 @@ impl<'a> Stepper<'a> {
         self.problem.all.for_prescribed(|node, component| {
             let nodes = &self.problem.all.nodes;
             let at = |time| self.supports.value(nodes, node, component, time);
-            x[node * self.problem.all.dim + component] = match part {
+            let unknown = node * self.problem.all.dim + component;
+            let before = self.carried.as_ref().map_or(0.0, |carried| carried.start[unknown]);
+            x[unknown] = match part {
                 1.0 => at(time)?,
-                _ => at(time)? - (1.0 - part) * at(start)?,
+                _ => at(time)? - (1.0 - part) * (at(start)? - before),
             };
             Ok(())
         })

@@ -14,6 +14,9 @@ pub struct StepState {
     pub step: Option<f64>,
     /// Energies: elastic, dissipated, external (J).
     pub energy: [f64; 4],
+    /// Stored, dissipated and taken by friction where earlier stages had multipliers (J).
+    #[serde(default)]
+    pub elsewhere: [f64; 3],
     /// What the fluid has done so far.
     #[serde(default)]
     pub fluid: FluidState,
@@ -110,7 +113,7 @@ impl StepState {
             }
         }
         let fluid: [f64; 7] = self.fluid.into();
-        let numbers = self.energy.iter().chain(&fluid);
+        let numbers = self.energy.iter().chain(&self.elsewhere).chain(&fluid);
         let numbers = numbers.chain(&self.load_factor).chain(&self.ramp).chain([&self.time]);
         if let Some(number) = numbers.copied().find(|number| !number.is_finite()) {
             return wrong("state", number);
