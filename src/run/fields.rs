@@ -13,7 +13,7 @@ use crate::fault;
 use crate::output::publisher::Publisher;
 use crate::output::series::{Fixed, Instant, Series};
 use crate::output::vtkhdf::{Array, Data, Grid, Values};
-use crate::solve::Model;
+use crate::solve::{Model, Problem};
 
 /// Writes the fields of every wanted instant.
 pub struct FieldWriter {
@@ -123,19 +123,7 @@ impl FieldWriter {
             axes.iter().zip(u).for_each(|(axis, u)| out[*axis] = *u);
         }
         fault::strike_values(comm, "fields", &mut displacement)?;
-        let mut stress = Vec::with_capacity(6 * all.cells.len());
-        let mut u = Vec::new();
-        for cell in 0..all.cells.len() {
-            u.clear();
-            for node in all.cells.nodes(cell) {
-                u.extend_from_slice(&all_displacements[*node as usize * dim..][..dim]);
-            }
-            stress.extend(all.cells.stress(cell, &u));
-        }
-        if let Some(prestress) = &problem.prestress {
-            let before = prestress.stress.as_flattened();
-            stress.iter_mut().zip(before).for_each(|(stress, before)| *stress += before);
-        }
+        let stress = stresses(problem, &all_displacements);
         let grid =
             Grid { points: &mesh.points, connectivity: &mesh.connectivity, shapes: &mesh.shapes };
         let array = |name, components, values| Array { name, components, values };
@@ -169,6 +157,25 @@ impl FieldWriter {
         let fixed = Fixed { grid: &grid, data: known };
         self.bulk.write(comm, publisher, instant, fixed, data)
     }
+}
+
+/// The stress at the centre of each cell (Pa) under displacements along the axes (m). Local.
+fn stresses(problem: &Problem<'_>, displacements: &[f64]) -> Vec<f64> {
+    let (all, dim) = (&problem.all, problem.all.dim);
+    let mut stress = Vec::with_capacity(6 * all.cells.len());
+    let mut u = Vec::new();
+    for cell in 0..all.cells.len() {
+        u.clear();
+        for node in all.cells.nodes(cell) {
+            u.extend_from_slice(&displacements[*node as usize * dim..][..dim]);
+        }
+        stress.extend(all.cells.stress(cell, &u));
+    }
+    if let Some(prestress) = &problem.prestress {
+        let before = prestress.stress.as_flattened();
+        stress.iter_mut().zip(before).for_each(|(stress, before)| *stress += before);
+    }
+    stress
 }
 
 /// What the points of an interface have at all times.

@@ -45,14 +45,14 @@ fn stages_that_change_nothing_are_one() {
 
 #[test]
 fn what_is_taken_away_is_released_and_work_is_accounted_for() {
-    for (case, ranks) in [("excavation", 3), ("stiffness", 2), ("terzaghi", 2)] {
-        for order in [1, 2] {
-            let scene = Scene::shipped(&format!("stages/{case}.yaml"));
-            let run = scene.set(&format!("mesh.order={order}")).in_any_steps().on(ranks);
-            assert_eq!(run.report["status"], "done", "{}", run.label);
-            if case != "terzaghi" {
-                energies_close(&run, 1e-8);
-            }
+    for (case, order, ranks) in
+        [("excavation", 1, 3), ("excavation", 2, 2), ("stiffness", 2, 2), ("terzaghi", 1, 2)]
+    {
+        let scene = Scene::shipped(&format!("stages/{case}.yaml"));
+        let run = scene.set(&format!("mesh.order={order}")).in_any_steps().on(ranks);
+        assert_eq!(run.report["status"], "done", "{}", run.label);
+        if case != "terzaghi" {
+            energies_close(&run, 1e-8);
         }
     }
 }
