@@ -221,10 +221,9 @@ impl Restart {
         }
         let all = &model.stepper.problem.all;
         let secondary = comm.sum_u64(all.owned_secondary() as u64);
-        let dim = all.dim;
         let fields = if (state.nodes, state.secondary) == (all.nodes.total, secondary) {
-            let pores = if model.stepper.coupling.is_some() { 2 } else { 0 };
-            opened.fields(comm, all.nodes.total, secondary, [2 * dim + pores, INTERFACE_WIDTH])
+            let width = model.stepper.nodal_width();
+            opened.fields(comm, all.nodes.total, secondary, [width, INTERFACE_WIDTH])
         } else {
             Err(Error::Input(format!(
                 "cannot go on from {}: it is of a mesh with {} nodes, {} on interfaces, not {} and {}",

@@ -13,7 +13,7 @@ use crate::fault;
 use crate::output::publisher::Publisher;
 use crate::output::series::{Fixed, Instant, Series};
 use crate::output::vtkhdf::{Array, Data, Grid, Values};
-use crate::solve::Model;
+use crate::solve::{Model, Problem};
 
 /// Writes the fields of every wanted instant.
 pub struct FieldWriter {
@@ -118,20 +118,14 @@ impl FieldWriter {
         let mesh = self.mesh.get_or_insert_with(|| BulkMesh::new(comm, case, model));
         let mut displacement = vec![0.0; 3 * all.nodes.owned];
         let all_displacements = all.frames.displacements(&problem.displacement);
-        let nodal = all_displacements.chunks_exact(dim);
+        let since_start = problem.displacement_since_start();
+        let since_start = all.frames.displacements(&since_start);
+        let nodal = since_start.chunks_exact(dim);
         for (out, u) in displacement.chunks_exact_mut(3).zip(nodal) {
             axes.iter().zip(u).for_each(|(axis, u)| out[*axis] = *u);
         }
         fault::strike_values(comm, "fields", &mut displacement)?;
-        let mut stress = Vec::with_capacity(6 * all.cells.len());
-        let mut u = Vec::new();
-        for cell in 0..all.cells.len() {
-            u.clear();
-            for node in all.cells.nodes(cell) {
-                u.extend_from_slice(&all_displacements[*node as usize * dim..][..dim]);
-            }
-            stress.extend(all.cells.stress(cell, &u));
-        }
+        let stress = stress(problem, &all_displacements);
         let grid =
             Grid { points: &mesh.points, connectivity: &mesh.connectivity, shapes: &mesh.shapes };
         let array = |name, components, values| Array { name, components, values };
@@ -165,6 +159,26 @@ impl FieldWriter {
         let fixed = Fixed { grid: &grid, data: known };
         self.bulk.write(comm, publisher, instant, fixed, data)
     }
+}
+
+/// The stress at the centre of each cell (Pa) under the displacements of all local nodes, with that
+/// of the start.
+fn stress(problem: &Problem<'_>, displacements: &[f64]) -> Vec<f64> {
+    let (all, dim) = (&problem.all, problem.all.dim);
+    let mut stress = Vec::with_capacity(6 * all.cells.len());
+    let mut u = Vec::new();
+    for cell in 0..all.cells.len() {
+        u.clear();
+        for node in all.cells.nodes(cell) {
+            u.extend_from_slice(&displacements[*node as usize * dim..][..dim]);
+        }
+        stress.extend(all.cells.stress(cell, &u));
+        if let Some(at_start) = &problem.initial_stress {
+            let of_cell = stress[6 * cell..].iter_mut().zip(&at_start.at_centres[cell]);
+            of_cell.for_each(|(stress, at_start)| *stress += at_start);
+        }
+    }
+    stress
 }
 
 /// What the points of an interface have at all times.

@@ -4,10 +4,11 @@ use std::path::Path;
 
 use super::checkpoint::{Keeper, Progress};
 use super::fields::FieldWriter;
+use super::probes::LocatedProbe;
 use super::run_state::RunState;
 use super::solution::Solution;
 use super::summary::{Measured, linear_solver, modelled, unused_options};
-use super::{page, probes, screen};
+use super::{history, page, probes, screen};
 use crate::case::{Case, Fields};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
@@ -121,6 +122,7 @@ impl<'a> Session<'a> {
         let probes = probes::locate(self.comm, self.case, &model.mesh)?;
         let names: Vec<String> = self.case.interfaces.iter().map(|i| i.name.clone()).collect();
         tracing::info!("{}", tables::instant_header(&names));
+        self.begin(model, &probes, &names)?;
         let progress = screen::Progress::new(self.comm.is_root(), self.case.time.len());
         for (number, time) in self.case.time.iter().enumerate().skip(self.accepted) {
             let accepted = self.advance(model, number)?;
@@ -129,14 +131,8 @@ impl<'a> Session<'a> {
             self.residual_norms.push(accepted.residual_norm);
             let _phase = self.timers.enter(Phase::Output);
             let (comm, case) = (self.comm, self.case);
-            let mut row = self.solution.row(comm, case, model, &probes, number, &accepted);
-            fault::strike_values(self.comm, "row", row.iter_mut().flatten())?;
-            self.check_row(*time, &row)?;
-            let pushed = match &mut self.history {
-                Some(history) => history.push(row),
-                None => Ok(()),
-            };
-            self.comm.agree(pushed)?;
+            let row = self.solution.row(comm, case, model, &probes, number, &accepted);
+            self.push(*time, row)?;
             fault::strike(self.comm, "history")?;
             if self.writes_fields(*time) {
                 let instant = Instant { step: number + 1, time: *time };
@@ -155,6 +151,41 @@ impl<'a> Session<'a> {
                 self.write_ahead(model)?;
             }
         }
+        Ok(())
+    }
+
+    /// Adds the row of a state that is finite. Collective.
+    fn push(&mut self, time: f64, mut row: Vec<Option<f64>>) -> Result<()> {
+        fault::strike_values(self.comm, "row", row.iter_mut().flatten())?;
+        self.check_row(time, &row)?;
+        let pushed = match &mut self.history {
+            Some(history) => history.push(row),
+            None => Ok(()),
+        };
+        self.comm.agree(pushed)
+    }
+
+    /// Finds the state at the start where stresses are there before, and adds its row. Collective.
+    fn begin(
+        &mut self,
+        model: &mut Model<'_>,
+        probes: &[LocatedProbe],
+        names: &[String],
+    ) -> Result<()> {
+        let timers = self.timers;
+        let begun = {
+            let _phase = timers.enter(Phase::Solve);
+            model.stepper.begin()?
+        };
+        let Some(accepted) = begun else { return Ok(()) };
+        self.counts[0] += accepted.newton_iterations as u64;
+        self.counts[1] += accepted.linear_iterations as u64;
+        let _phase = timers.enter(Phase::Output);
+        let (comm, case) = (self.comm, self.case);
+        let row = history::row(case, model, probes, case.start, &accepted, comm);
+        self.push(case.start, row)?;
+        let instants = self.history.iter().flat_map(|h| tables::instants(h.table(), names, 0));
+        instants.for_each(|instant| tracing::info!("{}", tables::instant_line(&instant, names)));
         Ok(())
     }
 

@@ -17,10 +17,13 @@ pub const INTERFACE_WIDTH: usize = 6;
 pub struct State {
     /// Displacement components per node.
     dim: usize,
+    /// Whether there are columns of the pressure.
+    has_pressure: bool,
     /// What is not a field.
     pub step: StepState,
     /// By node: displacement (m), then the force of supports and loads (N), by component; with flow
-    /// the pore pressure (Pa) and its rate in the last step (Pa/s), 0 where there is none.
+    /// the pore pressure (Pa) and its rate in the last step (Pa/s), 0 where there is none; with
+    /// stresses at the start the displacement from which results count (m).
     pub nodal: Rows,
     /// By secondary node: history (m), energy dissipated per area (J/m2), sliding by tangential
     /// component (m), its path (m), and the work of friction (J).
@@ -38,11 +41,13 @@ impl State {
             let name = columns.into_iter().nth(at % rows.width)?;
             Some((name, rows.names[at / rows.width], rows.values[at]))
         };
+        let of_pressure = usize::from(self.has_pressure);
         let nodal = [
             ("displacement", self.dim),
             ("force of supports and loads", self.dim),
-            ("pressure", 1),
-            ("rate of the pressure", 1),
+            ("pressure", of_pressure),
+            ("rate of the pressure", of_pressure),
+            ("displacement at the start", self.dim),
         ];
         find(&self.nodal, &nodal).or_else(|| {
             let interface = [
@@ -92,7 +97,15 @@ impl Stepper<'_> {
     /// `System` when PETSc fails.
     pub fn state(&self) -> Result<State> {
         let (nodal, interface) = (self.nodal_rows(), self.interface_rows());
-        Ok(State { dim: self.problem.all.dim, step: self.step_state(), nodal, interface })
+        let (dim, has_pressure) = (self.problem.all.dim, self.coupling.is_some());
+        Ok(State { dim, has_pressure, step: self.step_state(), nodal, interface })
+    }
+
+    /// Numbers of a row of [`State::nodal`]. Local.
+    pub fn nodal_width(&self) -> usize {
+        let dim = self.problem.all.dim;
+        let of_start = if self.problem.initial_stress.is_some() { dim } else { 0 };
+        2 * dim + if self.coupling.is_some() { 2 } else { 0 } + of_start
     }
 
     /// [`State::nodal`] of the last accepted state. Collective.
@@ -106,12 +119,16 @@ impl Stepper<'_> {
             let rate = flow.pace.as_ref().and_then(|pace| pace.rate.as_ref()).unwrap_or(&none);
             [flow.at_corners(all, flow.accepted_pressure()), flow.at_corners(all, rate)]
         });
-        let width = 2 * dim + if pressure.is_some() { 2 } else { 0 };
+        let width = self.nodal_width();
         let mut values = Vec::with_capacity(names.len() * width);
         let rows = self.work.displacement.chunks_exact(dim).zip(self.work.force.chunks_exact(dim));
         for (node, (displacement, force)) in rows.enumerate() {
             values.extend(displacement.iter().chain(force));
             values.extend(pressure.iter().flatten().map(|of| of[node]));
+            // Before the equilibrium at the start is found there is no origin.
+            let origin = self.problem.origin.get(node * dim..(node + 1) * dim);
+            values.extend_from_slice(origin.unwrap_or_default());
+            values.resize((node + 1) * width, 0.0);
         }
         Rows { width, names, values }
     }
@@ -150,6 +167,7 @@ impl Stepper<'_> {
             energy: [elastic, dissipated, external, friction],
             fluid: self.fluid_state(),
             has_begun: self.has_begun,
+            elastic_at_start: self.work.elastic_at_start,
             ramp: self.grows_until(),
             remarks: self.remarks(),
             residual_norm: problem.residual_norm,
@@ -183,16 +201,10 @@ impl Stepper<'_> {
     /// # Errors
     /// `Input` when a secondary node has no row; `System` when PETSc fails.
     pub fn resume(&mut self, step: StepState, nodal: &Rows, interface: &Rows) -> Result<()> {
+        self.resume_nodal(nodal, step.has_begun)?;
         let problem = &mut self.problem;
-        let (comm, dim) = (problem.comm, problem.all.dim);
-        let total = problem.all.nodes.total;
-        let owned = problem.all.nodes.names[..problem.all.nodes.owned].to_vec();
+        let (comm, total) = (problem.comm, problem.all.nodes.total);
         let absent = || Error::Input("the checkpoint lacks a node of this mesh".into());
-        let rows = comm.from_slabs(total, nodal, &owned);
-        let rows: Option<Vec<Vec<f64>>> = rows.into_iter().collect();
-        let rows = comm.agree(rows.ok_or_else(absent))?;
-        self.work.displacement = rows.iter().flat_map(|row| &row[..dim]).copied().collect();
-        self.work.force = rows.iter().flat_map(|row| &row[dim..2 * dim]).copied().collect();
         let secondary: Vec<u64> = problem.all.secondary[..problem.all.owned_secondary()]
             .iter()
             .map(|rows| problem.all.nodes.names[rows.node as usize])
@@ -214,7 +226,6 @@ impl Stepper<'_> {
         if let (Some(path), Some(factor)) = (&mut problem.path, step.load_factor) {
             path.resume(factor);
         }
-        self.x.write()?[..self.work.displacement.len()].copy_from_slice(&self.work.displacement);
         self.has_begun |= step.has_begun;
         // Nothing acts on the undeformed state yet, whatever its pressures.
         let acts = step.time > self.case.start || step.has_begun && self.starts_in_equilibrium();
@@ -222,7 +233,7 @@ impl Stepper<'_> {
         self.resume_load(step.time, step.fluid.work)?;
         let [elastic, dissipated, external, friction] = step.energy;
         self.energy = Energy { elastic, dissipated, external, friction, fluid: step.fluid.work };
-        self.work.total = external;
+        (self.work.total, self.work.elastic_at_start) = (external, step.elastic_at_start);
         self.time = step.time;
         self.step = step.step.unwrap_or(f64::INFINITY);
         self.tries_smaller_steps = step.tries_smaller_steps;
@@ -237,6 +248,31 @@ impl Stepper<'_> {
             self.resume_tractions()?;
         }
         self.earlier = step;
+        Ok(())
+    }
+
+    /// Goes on from the displacements and forces among `nodal` rows in slabs, and where the run
+    /// `has_begun` from the origin of results. Collective.
+    fn resume_nodal(&mut self, nodal: &Rows, has_begun: bool) -> Result<()> {
+        let (width, problem) = (self.nodal_width(), &mut self.problem);
+        let (comm, all) = (problem.comm, Rc::clone(&problem.all));
+        let dim = all.dim;
+        let rows = comm.from_slabs(all.nodes.total, nodal, &all.nodes.names[..all.nodes.owned]);
+        let rows: Option<Vec<Vec<f64>>> = rows.into_iter().collect();
+        let absent = || Error::Input("the checkpoint lacks a node of this mesh".into());
+        let rows = comm.agree(rows.ok_or_else(absent))?;
+        let columns = |from: usize| {
+            rows.iter().flat_map(move |row| &row[from..from + dim]).copied().collect()
+        };
+        self.work.displacement = columns(0);
+        self.work.force = columns(dim);
+        if has_begun && problem.initial_stress.is_some() {
+            problem.origin = columns(width - dim);
+            problem.origin.resize(problem.displacement.len(), 0.0);
+            all.nodes.update_ghosts(&mut problem.origin, all.dim);
+            problem.interfaces.count_from(&all, &problem.origin);
+        }
+        self.x.write()?[..self.work.displacement.len()].copy_from_slice(&self.work.displacement);
         Ok(())
     }
 

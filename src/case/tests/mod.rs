@@ -8,6 +8,7 @@ mod mistakes;
 mod places_and_names;
 mod shipped;
 mod stability;
+mod stress;
 
 use super::*;
 

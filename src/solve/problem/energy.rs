@@ -90,13 +90,27 @@ pub(in crate::solve) struct Work {
     pub(in crate::solve) pore_force: Vec<f64>,
     /// Their work.
     pub(in crate::solve) of_fluid: f64,
+    /// Elastic energy of the state from which results count (J).
+    pub(in crate::solve) elastic_at_start: f64,
 }
 
 impl Work {
     /// At rest, with `size` owned components.
     pub fn new(size: usize) -> Self {
         let (displacement, force) = (vec![0.0; size], vec![0.0; size]);
-        Self { displacement, force, total: 0.0, pore_force: Vec::new(), of_fluid: 0.0 }
+        Self {
+            displacement,
+            force,
+            total: 0.0,
+            pore_force: Vec::new(),
+            of_fluid: 0.0,
+            elastic_at_start: 0.0,
+        }
+    }
+
+    /// Lets energies count from the state that was accepted last, which stores `elastic`. Local.
+    pub fn count_from_here(&mut self, elastic: f64) {
+        (self.total, self.of_fluid, self.elastic_at_start) = (0.0, 0.0, elastic);
     }
 
     /// Energies of the state that `problem` evaluated last and its interfaces have committed; its
@@ -105,6 +119,12 @@ impl Work {
         let (all, dim) = (&problem.all, problem.all.dim);
         let mut load = problem.load.clone();
         all.nodes.add_to_owners(&mut load, dim);
+        // The stresses at the start are no load: their work is stored.
+        let mut of_stress = problem.initial_stress.as_ref().map(|stress| stress.force.clone());
+        if let Some(force) = &mut of_stress {
+            all.nodes.add_to_owners(force, dim);
+            load.iter_mut().zip(&*force).for_each(|(load, force)| *load += force);
+        }
         let mut pore_force = problem.pore_force.clone();
         if !pore_force.is_empty() {
             all.nodes.add_to_owners(&mut pore_force, dim);
@@ -128,12 +148,15 @@ impl Work {
             }
         }
         let [stored, dissipated] = held(problem, &problem.applied());
+        let of_stress = of_stress.iter().flatten().zip(&self.displacement);
+        let stored = stored + of_stress.map(|(force, u)| force * u).sum::<f64>();
         let friction = problem.interfaces.sliding.iter().map(|node| node.energy).sum();
         let mut sums = [stored, dissipated, work, of_fluid, friction];
         problem.comm.sum(&mut sums);
         self.total += sums[2];
         self.of_fluid += sums[3];
         let (external, fluid) = (self.total, self.of_fluid);
-        Energy { elastic: sums[0], dissipated: sums[1], external, friction: sums[4], fluid }
+        let elastic = sums[0] - self.elastic_at_start;
+        Energy { elastic, dissipated: sums[1], external, friction: sums[4], fluid }
     }
 }

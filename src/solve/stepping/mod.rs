@@ -7,6 +7,7 @@ mod branching;
 mod descent;
 mod doubts;
 mod growth;
+mod lifted;
 mod persist;
 mod ramp;
 mod rounding;
