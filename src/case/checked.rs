@@ -3,8 +3,8 @@
 use super::sections::file::CaseFile;
 use super::{
     BoundarySpec, Control, Expectation, FlowSpec, Formulation, Imperfection, InterfaceSpec,
-    Material, MeshSpec, OutputSpec, PhysicsDecision, Probe, Reduce, SolverSpec, Surface,
-    SurfaceBit, Value,
+    Material, MeshSpec, OutputSpec, PhysicsDecision, Probe, Reduce, SolverSpec, StressSpec,
+    Surface, SurfaceBit, Value,
 };
 
 /// A checked case.
@@ -26,6 +26,8 @@ pub struct Case {
     pub gravity: [f64; 3],
     /// What makes the structure imperfect.
     pub imperfections: Vec<Imperfection>,
+    /// Stresses that are there before.
+    pub initial_stress: Option<StressSpec>,
     /// What is computed.
     pub physics: PhysicsDecision,
     /// Flow in the pores, where it is computed.
@@ -119,6 +121,25 @@ impl Case {
     /// Whether lips may slide with friction, which makes tangents unsymmetric.
     pub fn has_friction(&self) -> bool {
         self.interfaces.iter().any(InterfaceSpec::has_friction)
+    }
+
+    /// Whether the run starts from a state of equilibrium in the place of the undeformed one.
+    pub fn starts_in_equilibrium(&self) -> bool {
+        self.initial_stress.is_some() || self.flow.as_ref().is_some_and(|flow| flow.equilibrium)
+    }
+
+    /// The pore pressure at the start (Pa), where one acts on the skeleton.
+    pub fn pressure_at_start(&self, point: [f64; 3]) -> Option<f64> {
+        let of_all = |entry: &&BoundarySpec| entry.on == Surface::All && entry.pressure.is_some();
+        let prescribed = || self.boundary.iter().find(of_all)?.pressure.as_ref();
+        let value = match &self.flow {
+            Some(flow) => &flow.initial,
+            None if self.pressure_is_load => prescribed()?,
+            None => return None,
+        };
+        // A later stage starts later.
+        let start = self.initial_stress.as_ref().map_or(self.start, |stress| stress.start);
+        Some(value.at(point, start))
     }
 
     /// Whether a pore pressure acts on the skeleton, with flow or known beforehand.

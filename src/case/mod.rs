@@ -14,8 +14,10 @@ mod stages;
 pub use crate::input::{Formula, Value};
 pub use crate::law::LawSpec;
 pub use checked::{Case, Stage};
-pub use checks::{BULK, CLOSEST_PLANES, Control, ControlKind, Every, FlowSpec, Imperfection};
-pub use checks::{InterfaceQuantity, PhysicsDecision};
+pub use checks::{
+    AtRest, BULK, CLOSEST_PLANES, Control, ControlKind, Every, FlowSpec, Imperfection,
+};
+pub use checks::{InterfaceQuantity, PhysicsDecision, StressSpec};
 pub use schema::schema;
 pub use sections::{BoundarySpec, Cells, ColumnSpec, Expectation, Fields, FileSpec, FilmSpec};
 pub use sections::{Form, Formulation, InterfaceSpec, Linear, Location, Material, MeshSource};
@@ -97,7 +99,7 @@ impl Case {
     pub fn load_times(&self) -> Vec<f64> {
         let of = |time: &f64| self.control.as_ref().map_or(*time, |c| c.load_time(*time));
         let mut times: Vec<f64> = self.time.iter().map(of).chain(self.breakpoints()).collect();
-        times.extend(self.flow.as_ref().filter(|flow| flow.equilibrium).map(|_| self.start));
+        times.extend(self.starts_in_equilibrium().then_some(self.start));
         times.sort_by(f64::total_cmp);
         times.dedup();
         times

@@ -52,6 +52,9 @@ pub fn refusal(case: &Case, situation: Situation) -> Option<String> {
     if case.has_pressure() {
         return says("a pore pressure acts");
     }
+    if case.initial_stress.is_some() {
+        return says("stresses are there at the start");
+    }
     if let Some(interface) = case.interfaces.iter().find(|i| i.has_friction()) {
         return Some(format!("{} slides with friction", interface.name));
     }

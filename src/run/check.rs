@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::resources::disk;
-use crate::bulk::Loads;
+use crate::bulk::{InitialStress, Loads};
 use crate::case::{self, Case, read_text};
 use crate::error::{Error, Result};
 use crate::interface::{Sides, unresolved_zones};
@@ -99,6 +99,7 @@ fn on_whole_mesh(case: &Case, mesh: &LocalMesh, sides: &[Sides]) -> Result<()> {
     });
     checked.map_err(|AtNode(_, error)| error)?;
     Loads::new(case, mesh).check(&times)?;
+    InitialStress::new(case, mesh)?;
     check_fit(case, mesh, sides, &prescribed)?;
     if case.has_pressure() {
         let corners = mesh.corners();

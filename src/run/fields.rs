@@ -118,7 +118,9 @@ impl FieldWriter {
         let mesh = self.mesh.get_or_insert_with(|| BulkMesh::new(comm, case, model));
         let mut displacement = vec![0.0; 3 * all.nodes.owned];
         let all_displacements = all.frames.displacements(&problem.displacement);
-        let nodal = all_displacements.chunks_exact(dim);
+        let since_start = problem.displacement_since_start();
+        let since_start = all.frames.displacements(&since_start);
+        let nodal = since_start.chunks_exact(dim);
         for (out, u) in displacement.chunks_exact_mut(3).zip(nodal) {
             axes.iter().zip(u).for_each(|(axis, u)| out[*axis] = *u);
         }
@@ -159,7 +161,8 @@ impl FieldWriter {
     }
 }
 
-/// The stress at the centre of each cell (Pa) under displacements along the axes (m). Local.
+/// The stress at the centre of each cell (Pa) under displacements along the axes (m), with that of
+/// the start and those that stay from earlier stages. Local.
 fn stresses(problem: &Problem<'_>, displacements: &[f64]) -> Vec<f64> {
     let (all, dim) = (&problem.all, problem.all.dim);
     let mut stress = Vec::with_capacity(6 * all.cells.len());
@@ -171,9 +174,10 @@ fn stresses(problem: &Problem<'_>, displacements: &[f64]) -> Vec<f64> {
         }
         stress.extend(all.cells.stress(cell, &u));
     }
-    if let Some(prestress) = &problem.prestress {
-        let before = prestress.stress.as_flattened();
-        stress.iter_mut().zip(before).for_each(|(stress, before)| *stress += before);
+    let of_start = problem.initial_stress.iter().map(|stress| &stress.at_centres);
+    let of_stages = problem.prestress.iter().map(|prestress| &prestress.stress);
+    for before in of_start.chain(of_stages) {
+        stress.iter_mut().zip(before.as_flattened()).for_each(|(sum, before)| *sum += before);
     }
     stress
 }

@@ -230,7 +230,7 @@ fn nodal_statistics(case: &Case, model: &Model<'_>) -> Vec<Vec<Statistic>> {
         for (statistic, quantity) in own {
             let seen = match *quantity {
                 InterfaceQuantity::Traction(c) => of_component(response.bulk_traction, c),
-                InterfaceQuantity::Jump(c) => of_component(response.jump, c),
+                InterfaceQuantity::Jump(c) => of_component(state.jump_since_start(index), c),
                 InterfaceQuantity::Damage => rows.has_multiplier().then(|| {
                     let law = state.laws[rows.interface].spec.law();
                     (law.damage(response.history), rows.law_weight(case.dim))

@@ -19,8 +19,9 @@ pub struct Handover {
     /// What is not a field.
     step: StepState,
     /// By node and along the axes: displacement (m), forces of the supports and of the loads (N);
-    /// then the displacements at the starts of the stages but the first (m); with flow last the
-    /// pressure (Pa).
+    /// with stresses at the start the displacement from which results count (m); then the
+    /// displacements at the starts of the stages but the first (m); with flow last the pressure
+    /// (Pa).
     nodal: Rows,
     /// As [`super::State::interface`].
     interface: Rows,
@@ -64,7 +65,9 @@ impl Stepper<'_> {
         });
         comm.agree(added)?;
         all.nodes.add_to_owners(&mut load, dim);
+        let origin = problem.initial_stress.as_ref().map(|_| along_axes(all, &problem.origin));
         let mut columns: Vec<&[f64]> = vec![&displacement[..], &support, &load];
+        columns.extend(origin.iter().map(|of| &of[..]));
         columns.extend(self.carried.iter().flat_map(|carried| &carried.starts).map(|s| &s[..]));
         let pressure = self.coupling.as_ref().map(|coupling| {
             let flow = &coupling.flow;
@@ -103,13 +106,20 @@ impl Stepper<'_> {
         let unheld = support.iter().enumerate();
         let released: Vec<f64> =
             unheld.map(|(unknown, force)| if is_held(unknown) { 0.0 } else { *force }).collect();
-        self.problem.set_load(handed.step.time)?;
+        // The stresses at the start are no load.
+        let stress = self.problem.initial_stress.take();
+        let of_start = usize::from(stress.is_some());
+        let set = self.problem.set_load(handed.step.time);
+        self.problem.initial_stress = stress;
+        set?;
         let mut jump = self.problem.load.clone();
         all.nodes.add_to_owners(&mut jump, dim);
         jump.truncate(load.len());
         jump.iter_mut().zip(&load).for_each(|(jump, before)| *jump -= before);
         let force: Vec<f64> = support.iter().zip(&load).map(|(s, l)| s + l).collect();
-        let mut starts: Vec<Vec<f64>> = (3..2 + self.stage).map(column).collect();
+        let origin = (of_start > 0).then(|| unknowns(&all, &column(3)));
+        let places = 3 + of_start..2 + of_start + self.stage;
+        let mut starts: Vec<Vec<f64>> = places.map(column).collect();
         starts.push(start);
         let pressure: Option<Vec<f64>> =
             self.coupling.as_ref().map(|_| found.iter().map(|row| row[row.len() - 1]).collect());
@@ -119,7 +129,8 @@ impl Stepper<'_> {
             let of = |column: &Vec<f64>| column[node * dim..][..dim].to_vec();
             values.extend([&displacement, &force].into_iter().flat_map(of));
             values.extend(pressure.iter().chain(&rate).map(|of| of[node]));
-            values.extend([&released, &jump].into_iter().chain(&starts).flat_map(of));
+            let of_stages = [&released, &jump].into_iter().chain(&starts);
+            values.extend(origin.iter().chain(of_stages).flat_map(of));
         }
         let nodal = Rows { width: self.nodal_width(), names: names.to_vec(), values };
         let interface = self.taken_interfaces(handed);
@@ -290,12 +301,13 @@ fn prestress<'s>(
     total
 }
 
-/// Displacements along the axes of owned nodes for their unknowns (m). Collective.
+/// Displacements along the axes of owned nodes for their unknowns, or those of all local nodes (m).
+/// Collective.
 fn along_axes(all: &Discretization, unknowns: &[f64]) -> Vec<f64> {
     let mut local = unknowns.to_vec();
     local.resize(all.nodes.len() * all.dim, 0.0);
     all.nodes.update_ghosts(&mut local, all.dim);
-    all.frames.displacements(&local)[..unknowns.len()].to_vec()
+    all.frames.displacements(&local)[..all.nodes.owned * all.dim].to_vec()
 }
 
 /// The unknowns of owned nodes for their displacements along the axes (m). Collective.

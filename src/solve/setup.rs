@@ -61,7 +61,8 @@ pub fn build<'a>(
     coarser: Vec<LocalMesh>,
 ) -> Result<Model<'a>> {
     let comm = &runtime.comm;
-    let BoundaryValueProblem { mesh, all, sides, supports, loads, mut remarks } = problem;
+    let BoundaryValueProblem { mesh, all, sides, supports, loads, initial_stress, mut remarks } =
+        problem;
     let (dim, unknowns) = (case.dim, all.nodes.total * case.dim as u64);
     let (interfaces, of_gaps) = interfaces(comm, case, &mesh, &sides, &all)?;
     remarks.extend(of_gaps);
@@ -104,7 +105,7 @@ pub fn build<'a>(
         linear: LinearTarget::new(tolerance),
         mesh: mesh.facts.clone(),
     });
-    problem.known_pressure = known_pressure;
+    (problem.known_pressure, problem.initial_stress) = (known_pressure, initial_stress);
     problem.path = case.control.as_ref().map(|control| path(case, control));
     let mut stepper = Stepper::new(case, problem, snes, saddle, coupling, x, supports);
     stepper.remarks = remarks;

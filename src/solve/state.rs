@@ -17,14 +17,17 @@ pub const INTERFACE_WIDTH: usize = 6;
 pub struct State {
     /// Displacement components per node.
     dim: usize,
-    /// Whether there is a pore pressure.
+    /// Whether there are columns of the pressure.
     has_pressure: bool,
+    /// Whether there is a displacement from which results count.
+    has_origin: bool,
     /// What is not a field.
     pub step: StepState,
     /// By node: displacement (m), then the force of supports and loads (N), by component; with flow
-    /// the pore pressure (Pa) and its rate in the last step (Pa/s), 0 where there is none. In a
-    /// later stage, by component, reactions that are released and by how much loads jump at its
-    /// start (N), and the displacements at the start of each stage but the first (m).
+    /// the pore pressure (Pa) and its rate in the last step (Pa/s), 0 where there is none; with
+    /// stresses at the start the displacement from which results count (m). In a later stage, by
+    /// component, reactions that are released and by how much loads jump at its start (N), and the
+    /// displacements at the start of each stage but the first (m).
     pub nodal: Rows,
     /// By secondary node: history (m), energy dissipated per area (J/m2), sliding by tangential
     /// component (m), its path (m), and the work of friction (J).
@@ -42,12 +45,14 @@ impl State {
             let name = columns.into_iter().nth(at % rows.width)?;
             Some((name, rows.names[at / rows.width], rows.values[at]))
         };
-        let pressures = usize::from(self.has_pressure);
+        let of_pressure = usize::from(self.has_pressure);
+        let of_origin = if self.has_origin { self.dim } else { 0 };
         let nodal = [
             ("displacement", self.dim),
             ("force of supports and loads", self.dim),
-            ("pressure", pressures),
-            ("rate of the pressure", pressures),
+            ("pressure", of_pressure),
+            ("rate of the pressure", of_pressure),
+            ("displacement at the start", of_origin),
             ("released reaction", self.dim),
             ("jump of the loads", self.dim),
             ("displacement at the start of a stage", self.nodal.width),
@@ -101,14 +106,20 @@ impl Stepper<'_> {
     pub fn state(&self) -> Result<State> {
         let (nodal, interface) = (self.nodal_rows(), self.interface_rows());
         let (dim, has_pressure) = (self.problem.all.dim, self.coupling.is_some());
-        Ok(State { dim, has_pressure, step: self.step_state(), nodal, interface })
+        let (has_origin, step) = (self.problem.initial_stress.is_some(), self.step_state());
+        Ok(State { dim, has_pressure, has_origin, step, nodal, interface })
     }
 
-    /// Numbers of a row of [`State::nodal`].
+    /// Numbers of a row of [`State::nodal`]. Local.
     pub fn nodal_width(&self) -> usize {
-        let pores = if self.coupling.is_some() { 2 } else { 0 };
+        let of_start = usize::from(self.problem.initial_stress.is_some());
         let of_stages = if self.stage > 0 { 2 + self.stage } else { 0 };
-        (2 + of_stages) * self.problem.all.dim + pores
+        self.before_origin() + (of_start + of_stages) * self.problem.all.dim
+    }
+
+    /// Numbers of such a row before the displacement from which results count. Local.
+    fn before_origin(&self) -> usize {
+        2 * self.problem.all.dim + if self.coupling.is_some() { 2 } else { 0 }
     }
 
     /// [`State::nodal`] of the last accepted state. Collective.
@@ -124,11 +135,15 @@ impl Stepper<'_> {
         });
         let width = self.nodal_width();
         let of_stages = self.of_stages();
+        // Before the equilibrium at the start is found there is no origin.
+        let mut origin = self.problem.origin.clone();
+        origin.resize(self.problem.initial_stress.as_ref().map_or(0, |of| of.force.len()), 0.0);
         let mut values = Vec::with_capacity(names.len() * width);
         let rows = self.work.displacement.chunks_exact(dim).zip(self.work.force.chunks_exact(dim));
         for (node, (displacement, force)) in rows.enumerate() {
             values.extend(displacement.iter().chain(force));
             values.extend(pressure.iter().flatten().map(|of| of[node]));
+            values.extend(origin.iter().skip(node * dim).take(dim));
             values.extend(of_stages.iter().flat_map(|of| &of[node * dim..][..dim]));
         }
         Rows { width, names, values }
@@ -179,6 +194,7 @@ impl Stepper<'_> {
             elsewhere: self.work.elsewhere,
             fluid: self.fluid_state(),
             has_begun: self.has_begun,
+            elastic_at_start: self.work.elastic_at_start,
             ramp: self.grows_until(),
             remarks: self.remarks(),
             residual_norm: problem.residual_norm,
@@ -212,16 +228,10 @@ impl Stepper<'_> {
     /// # Errors
     /// `Input` when a secondary node has no row; `System` when PETSc fails.
     pub fn resume(&mut self, step: StepState, nodal: &Rows, interface: &Rows) -> Result<()> {
+        self.resume_nodal(nodal, step.has_begun)?;
         let problem = &mut self.problem;
-        let (comm, dim) = (problem.comm, problem.all.dim);
-        let total = problem.all.nodes.total;
-        let owned = problem.all.nodes.names[..problem.all.nodes.owned].to_vec();
+        let (comm, total) = (problem.comm, problem.all.nodes.total);
         let absent = || Error::Input("the checkpoint lacks a node of this mesh".into());
-        let rows = comm.from_slabs(total, nodal, &owned);
-        let rows: Option<Vec<Vec<f64>>> = rows.into_iter().collect();
-        let rows = comm.agree(rows.ok_or_else(absent))?;
-        self.work.displacement = rows.iter().flat_map(|row| &row[..dim]).copied().collect();
-        self.work.force = rows.iter().flat_map(|row| &row[dim..2 * dim]).copied().collect();
         let secondary: Vec<u64> = problem.all.secondary[..problem.all.owned_secondary()]
             .iter()
             .map(|rows| problem.all.nodes.names[rows.node as usize])
@@ -243,7 +253,6 @@ impl Stepper<'_> {
         if let (Some(path), Some(factor)) = (&mut problem.path, step.load_factor) {
             path.resume(factor);
         }
-        self.x.write()?[..self.work.displacement.len()].copy_from_slice(&self.work.displacement);
         self.has_begun |= step.has_begun;
         // Nothing acts on the undeformed state yet, whatever its pressures.
         let acts = step.time > self.case.start
@@ -253,7 +262,8 @@ impl Stepper<'_> {
         self.resume_load(step.time, step.fluid.work)?;
         let [elastic, dissipated, external, friction] = step.energy;
         self.energy = Energy { elastic, dissipated, external, friction, fluid: step.fluid.work };
-        (self.work.total, self.work.elsewhere) = (external, step.elsewhere);
+        self.work.total = external;
+        (self.work.elsewhere, self.work.elastic_at_start) = (step.elsewhere, step.elastic_at_start);
         self.time = step.time;
         self.step = step.step.unwrap_or(f64::INFINITY);
         self.tries_smaller_steps = step.tries_smaller_steps;
@@ -268,6 +278,31 @@ impl Stepper<'_> {
             self.resume_tractions()?;
         }
         self.earlier = step;
+        Ok(())
+    }
+
+    /// Goes on from the displacements and forces among `nodal` rows in slabs, and where the run
+    /// `has_begun` from the origin of results. Collective.
+    fn resume_nodal(&mut self, nodal: &Rows, has_begun: bool) -> Result<()> {
+        let (place, problem) = (self.before_origin(), &mut self.problem);
+        let (comm, all) = (problem.comm, Rc::clone(&problem.all));
+        let dim = all.dim;
+        let rows = comm.from_slabs(all.nodes.total, nodal, &all.nodes.names[..all.nodes.owned]);
+        let rows: Option<Vec<Vec<f64>>> = rows.into_iter().collect();
+        let absent = || Error::Input("the checkpoint lacks a node of this mesh".into());
+        let rows = comm.agree(rows.ok_or_else(absent))?;
+        let columns = |from: usize| {
+            rows.iter().flat_map(move |row| &row[from..from + dim]).copied().collect()
+        };
+        self.work.displacement = columns(0);
+        self.work.force = columns(dim);
+        if has_begun && problem.initial_stress.is_some() {
+            problem.origin = columns(place);
+            problem.origin.resize(problem.displacement.len(), 0.0);
+            all.nodes.update_ghosts(&mut problem.origin, all.dim);
+            problem.interfaces.count_from(&all, &problem.origin);
+        }
+        self.x.write()?[..self.work.displacement.len()].copy_from_slice(&self.work.displacement);
         Ok(())
     }
 

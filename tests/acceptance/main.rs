@@ -27,6 +27,7 @@ mod gallery;
 mod gaps;
 mod grid;
 mod inclusions;
+mod initial_stress;
 
 mod kills;
 mod known_pressure;

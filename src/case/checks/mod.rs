@@ -13,6 +13,7 @@ mod mesh;
 mod planes;
 mod results;
 mod size;
+mod stress;
 mod supports;
 
 pub use control::{Control, ControlKind};
@@ -21,6 +22,7 @@ pub use initial::Imperfection;
 pub use limits::Every;
 pub use planes::CLOSEST_PLANES;
 pub use results::InterfaceQuantity;
+pub use stress::{AtRest, StressSpec};
 
 use std::path::Path;
 
@@ -86,6 +88,7 @@ impl Checker<'_> {
             self.boxes(&mesh, &materials, &interfaces, flow.is_some());
             self.held(&mesh, &interfaces, &boundary);
         }
+        let initial_stress = self.initial_stress(&file, &materials);
         self.beside_friction(&file, &interfaces, flow.is_some());
         write_out(&mut file, path, physics);
         let gravity = self.by_axis(file.gravity.as_deref().unwrap_or_default());
@@ -107,6 +110,7 @@ impl Checker<'_> {
             body_force,
             gravity,
             imperfections,
+            initial_stress,
             physics,
             flow,
             pressure_is_load,
@@ -146,8 +150,8 @@ impl Checker<'_> {
     fn held(&mut self, mesh: &MeshSpec, interfaces: &[InterfaceSpec], boundary: &[BoundarySpec]) {
         let Some(column) = mesh.column() else { return };
         if self.sound(&["mesh", "interfaces", "boundary"]) && self.problems.is_empty() {
-            let holds = supports::holds(interfaces);
-            for reason in supports::free_motions(column, interfaces, boundary, &holds) {
+            let (holds, presses) = (supports::holds(interfaces), supports::presses(interfaces));
+            for reason in supports::free_motions(column, interfaces, boundary, &holds, &presses) {
                 self.add("boundary", format!("leaves a body free: {reason}"));
             }
         }

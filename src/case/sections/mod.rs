@@ -63,7 +63,7 @@ pub use mesh::{
 pub use output::{Expectation, Fields, OutputSpec, Probe};
 pub use quantity::{
     CheckpointSection, FactorSection, FluidSection, FormulaSection, ImperfectionSection,
-    InitialSection, LimitsSection, Quantity, TableSection,
+    InitialSection, LimitsSection, Quantity, StressSection, TableSection,
 };
 pub use solver::{Form, Linear, Reduce, SolverSpec, Stability};
 pub use stage::{

@@ -87,10 +87,43 @@ pub struct InitialSection {
     /// the loads and the prescribed displacements, instead of 0.
     #[serde(default)]
     pub equilibrium: bool,
+    /// Stresses that are there before, from whose equilibrium displacements count.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stress: Option<StressSection>,
     /// What makes a perfect structure imperfect, so that one of its branches is selected.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 1000))]
     pub imperfection: Vec<ImperfectionSection>,
+}
+
+/// Stresses at the start in Pa, tension positive, of porous materials the effective ones: numbers,
+/// or formulas in space. What is left out is 0, or follows from `k0`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(extend("minProperties" = 1))]
+pub struct StressSection {
+    /// Normal stress along x.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub xx: Option<Quantity>,
+    /// Normal stress along y.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub yy: Option<Quantity>,
+    /// Normal stress along z.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub zz: Option<Quantity>,
+    /// Shear stress.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub xy: Option<Quantity>,
+    /// Shear stress.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub yz: Option<Quantity>,
+    /// Shear stress.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub zx: Option<Quantity>,
+    /// Horizontal over vertical stress; the vertical one is that of the weight above unless it is
+    /// given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub k0: Option<Quantity>,
 }
 
 /// An imperfection of an interface.

@@ -105,7 +105,11 @@ impl<'a> Reader<'a> {
             stages = self.stages(&file, &blank)?;
         }
         self.check_films(&stages, &blank)?;
-        stages.iter_mut().for_each(|stage| stage.case.output.clone_from(&whole.output));
+        for stage in &mut stages {
+            stage.case.output.clone_from(&whole.output);
+            // What was there before does not follow what stages change.
+            stage.case.initial_stress.clone_from(&whole.initial_stress);
+        }
         // The sections as they were written, with the defaults that were found.
         file.title.clone_from(&whole.file.title);
         file.output.directory.clone_from(&whole.file.output.directory);
@@ -141,7 +145,7 @@ impl<'a> Reader<'a> {
                 take(output, "fields");
             }
             if let (Some(initial), true) = (get_mut(&mut tree, "initial"), number > 0) {
-                take(initial, "equilibrium");
+                ["equilibrium", "stress"].iter().for_each(|key| drop(take(initial, key)));
             }
             let problems = blank.within(&format!("stages.{number}"));
             let file = sections_of(&tree, &self.broken, self.path)?;

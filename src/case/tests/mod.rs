@@ -9,6 +9,7 @@ mod places_and_names;
 mod shipped;
 mod stability;
 mod stages;
+mod stress;
 
 use super::*;
 

@@ -128,9 +128,8 @@ fn words_that_became_true_or_false_are_told() {
         ),
         (
             "time:",
-            "initial: {stress: 3}\ntime:",
-            "13:11: initial.stress is not a known key (known: equilibrium, imperfection, pressure)"
-                .to_owned(),
+            "initial: {strain: 3}\ntime:",
+            "13:11: initial.strain is not a known key; did you mean stress?".to_owned(),
         ),
         ("time:", "initial: {}\ntime:", "13:10: initial has no entries".to_owned()),
     ] {

@@ -32,24 +32,27 @@ pub fn check(comm: &Comm, case: &Case, problem: &BoundaryValueProblem) -> Result
         return Ok(());
     }
     let (resistance, middles) = bodies.sums(comm, all);
-    let motions = bodies.motions();
-    for (group, sums) in resistance.chunks_exact(motions * motions).enumerate() {
-        let eigen = SymmetricEigen::new(DMatrix::from_row_slice(motions, motions, sums));
-        let most = eigen.eigenvalues.amax();
-        let free =
-            (0..motions).find(|i| eigen.eigenvalues[*i] <= FREE * most.max(f64::MIN_POSITIVE));
-        let Some(free) = free else { continue };
-        let motion = eigen.eigenvectors.column(free);
-        let number = (0..motions).max_by(|i, j| motion[*i].abs().total_cmp(&motion[*j].abs()));
+    if let Some((group, number)) = bodies.first_free(comm, case, all, &resistance) {
         let [x, y, z] = middles[group];
         return Err(Error::Input(format!(
             "nothing holds the body around ({x:.4}, {y:.4}, {z:.4}) m against a {}: neither the \
-             prescribed displacements nor an interface that holds (contact does not); prescribe a \
-             displacement on one of its surfaces, or join it to another body",
-            bodies.name(number.unwrap_or_default()),
+             prescribed displacements nor an interface that holds (a contact without friction holds \
+             what is pressed on it along its normal alone); prescribe a displacement on one of its \
+             surfaces, join it to another body, or give the contact friction",
+            bodies.name(number),
         )));
     }
     hinges(case, &bodies)
+}
+
+/// The first free motion and the part of it, by its place, that is most of it.
+fn free_motion(matrix: DMatrix<f64>) -> Option<usize> {
+    let size = matrix.nrows();
+    let eigen = SymmetricEigen::new(matrix);
+    let least = FREE * eigen.eigenvalues.amax().max(f64::MIN_POSITIVE);
+    let free = (0..size).find(|i| eigen.eigenvalues[*i] <= least)?;
+    let motion = eigen.eigenvectors.column(free);
+    (0..size).max_by(|i, j| motion[*i].abs().total_cmp(&motion[*j].abs()))
 }
 
 /// Refuses parts of bodies that hang on the others by nodes alone and can turn about them. Local;
@@ -155,6 +158,56 @@ impl<'m> Bodies<'m> {
         let group = groups(mesh.bodies, joints.map(|joint| joint.bodies));
         let count = group.iter().max().map_or(0, |last| last + 1);
         Self { mesh, group, count }
+    }
+
+    /// A group of bodies that can move, and the number of its motion. What is pressed on a contact
+    /// counts as held along the normal. Collective.
+    fn first_free(
+        &self,
+        comm: &Comm,
+        case: &Case,
+        all: &Discretization,
+        resistance: &[f64],
+    ) -> Option<(usize, usize)> {
+        let motions = self.motions();
+        let groups = resistance.chunks_exact(motions * motions);
+        let alone = groups.enumerate().find_map(|(group, sums)| {
+            let number = free_motion(DMatrix::from_row_slice(motions, motions, sums))?;
+            Some((group, number))
+        })?;
+        let size = self.count * motions;
+        if size > MOST_MOTIONS {
+            return Some(alone);
+        }
+        let mut whole = DMatrix::<f64>::zeros(size, size);
+        for (group, sums) in resistance.chunks_exact(motions * motions).enumerate() {
+            let own = DMatrix::from_row_slice(motions, motions, sums);
+            whole.view_mut((group * motions, group * motions), own.shape()).copy_from(&own);
+        }
+        let mut pressed = vec![0.0; size * size];
+        let normal = all.dim - 1;
+        for rows in &all.secondary[..all.owned_secondary()] {
+            let law = case.interfaces[rows.interface].law.law();
+            let Some(row) = &rows.rows[normal] else { continue };
+            if law.holds_sliding(0.0) {
+                continue;
+            }
+            let mut jump = DVector::<f64>::zeros(size);
+            for (unknown, a) in row.coefficients(rows.own(normal)) {
+                let (node, c) = (unknown as usize / all.dim, unknown as usize % all.dim);
+                let group = self.group[all.nodes.marks[node].body as usize];
+                for number in 0..motions {
+                    let moved = |node: u32| self.moved(number, all.nodes.points[node as usize]);
+                    let moved = all.frames.unknowns(node as u32, moved)[c];
+                    jump[group * motions + number] += a * moved;
+                }
+            }
+            let of_node = &jump * jump.transpose();
+            pressed.iter_mut().zip(of_node.iter()).for_each(|(sum, v)| *sum += v);
+        }
+        comm.sum(&mut pressed);
+        whole += DMatrix::from_column_slice(size, size, &pressed);
+        free_motion(whole).map(|place| (place / motions, place % motions))
     }
 
     fn motions(&self) -> usize {

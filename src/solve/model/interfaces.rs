@@ -57,6 +57,8 @@ pub struct InterfaceState {
     pub factors: Vec<f64>,
     /// Gap at each node before anything moves, along the normal (m).
     pub gaps: Vec<f64>,
+    /// Jump at each node from which results count (m); empty where it is 0.
+    pub(super) origin: Vec<[f64; 3]>,
     /// Largest equivalent jump at the last accepted state (m).
     pub committed: Vec<f64>,
     /// Energy per area dissipated up to the last accepted state (J/m2), without friction.
@@ -101,6 +103,7 @@ impl InterfaceState {
             laws,
             factors,
             gaps,
+            origin: Vec::new(),
             committed: vec![0.0; owned],
             dissipated: vec![0.0; owned],
             sliding: vec![Sliding::default(); owned],

@@ -90,6 +90,12 @@ fn of_prestress(problem: &Problem<'_>) -> f64 {
     problem.prestress.as_ref().map_or(0.0, of)
 }
 
+/// What the stresses at the start add to this rank's part of the energy of the bulk (J).
+fn of_stress_at_start(problem: &Problem<'_>) -> f64 {
+    let force = problem.initial_stress.iter().flat_map(|stress| &stress.force);
+    force.zip(&problem.displacement).map(|(force, u)| force * u).sum()
+}
+
 /// What does work between two accepted states.
 #[derive(Debug, Clone)]
 pub(in crate::solve) struct Work {
@@ -103,6 +109,8 @@ pub(in crate::solve) struct Work {
     /// Stored, dissipated and taken by friction where earlier stages had multipliers and this one
     /// has none (J).
     pub(in crate::solve) elsewhere: [f64; 3],
+    /// Elastic energy of the state from which results count (J).
+    pub(in crate::solve) elastic_at_start: f64,
 }
 
 impl Work {
@@ -110,7 +118,13 @@ impl Work {
     pub fn new(size: usize) -> Self {
         let (displacement, force) = (vec![0.0; size], vec![0.0; size]);
         let (pore_force, elsewhere) = (Vec::new(), [0.0; 3]);
-        Self { displacement, force, total: 0.0, pore_force, of_fluid: 0.0, elsewhere }
+        let (total, of_fluid, elastic_at_start) = (0.0, 0.0, 0.0);
+        Self { displacement, force, total, pore_force, of_fluid, elsewhere, elastic_at_start }
+    }
+
+    /// Lets energies count from the state that was accepted last, which stores `elastic`. Local.
+    pub fn count_from_here(&mut self, elastic: f64) {
+        (self.total, self.of_fluid, self.elastic_at_start) = (0.0, 0.0, elastic);
     }
 
     /// Energies of the state that `problem` evaluated last and its interfaces have committed; its
@@ -119,6 +133,12 @@ impl Work {
         let (all, dim) = (&problem.all, problem.all.dim);
         let mut load = problem.load.clone();
         all.nodes.add_to_owners(&mut load, dim);
+        // The stresses at the start are no load: their work is stored.
+        if let Some(stress) = &problem.initial_stress {
+            let mut force = stress.force.clone();
+            all.nodes.add_to_owners(&mut force, dim);
+            load.iter_mut().zip(&force).for_each(|(load, force)| *load += force);
+        }
         let mut pore_force = problem.pore_force.clone();
         if !pore_force.is_empty() {
             all.nodes.add_to_owners(&mut pore_force, dim);
@@ -155,8 +175,9 @@ impl Work {
     pub fn energies(&self, problem: &Problem<'_>) -> [f64; 3] {
         let [stored, dissipated] = held(problem, &problem.applied());
         let friction = problem.interfaces.sliding.iter().map(|node| node.energy).sum();
-        let mut sums = [stored, dissipated, friction];
+        let mut sums = [stored + of_stress_at_start(problem), dissipated, friction];
         problem.comm.sum(&mut sums);
+        sums[0] -= self.elastic_at_start;
         std::array::from_fn(|i| sums[i] + self.elsewhere[i])
     }
 }

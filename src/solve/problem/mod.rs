@@ -27,6 +27,7 @@ pub use known_pressure::KnownPressure;
 pub(super) use predictor::{Onset, Prediction};
 pub use reactions::reactions;
 
+use std::borrow::Cow;
 use std::rc::Rc;
 
 use crate::assembly::{Discretization, NodeState, Tangent};
@@ -39,6 +40,7 @@ use crate::petsc::Verdict;
 use crate::signals::Pulse;
 use crate::solve::guess::energy_projection::EnergyProjection;
 use crate::solve::guess::rigid::RigidMotions;
+use crate::solve::model::StressAtStart;
 use crate::solve::model::interfaces::InterfaceState;
 use crate::solve::model::linear::LinearTarget;
 use crate::timers::Timers;
@@ -84,8 +86,14 @@ pub struct Problem<'a> {
     pub(super) areas: Areas,
     /// Displacements of all local nodes at the last evaluated state (m).
     pub displacement: Vec<f64>,
-    /// Load of this rank's cells at the target time, per local node, not summed (N).
+    /// Displacements of all local nodes from which those of results count (m); empty where these
+    /// are the same.
+    pub origin: Vec<f64>,
+    /// Load of this rank's cells at the target time, less the forces of the stresses at the start,
+    /// per local node, not summed (N).
     pub load: Vec<f64>,
+    /// Stresses that are there at the start.
+    pub initial_stress: Option<StressAtStart>,
     /// Forces of the pore pressure, likewise (N); empty without one.
     pub pore_force: Vec<f64>,
     /// The pore pressure, where it is a load.
@@ -196,7 +204,9 @@ impl<'a> Problem<'a> {
             stiffness,
             areas: Areas::new(comm, &all, mesh.order),
             displacement: vec![0.0; components],
+            origin: Vec::new(),
             load: vec![0.0; components],
+            initial_stress: None,
             pore_force: Vec::new(),
             known_pressure: None,
             release: None,
@@ -245,6 +255,16 @@ impl<'a> Problem<'a> {
         if let TangentForm::Levels(hierarchy) = &self.form { Some(hierarchy) } else { None }
     }
 
+    /// Displacements of all local nodes since the start, whose stresses may have had to be brought
+    /// into equilibrium (m). Local.
+    pub fn displacement_since_start(&self) -> Cow<'_, [f64]> {
+        if self.origin.is_empty() {
+            return Cow::Borrowed(&self.displacement);
+        }
+        let pairs = self.displacement.iter().zip(&self.origin);
+        Cow::Owned(pairs.map(|(u, origin)| u - origin).collect())
+    }
+
     /// Sets the load to that at `time`, of which path following takes its part. Collective.
     ///
     /// # Errors
@@ -260,6 +280,9 @@ impl<'a> Problem<'a> {
         self.all.frames.fold(&mut self.load);
         if let Some(release) = &mut self.release {
             release.add(time, &mut self.load);
+        }
+        if let Some(stress) = &self.initial_stress {
+            self.load.iter_mut().zip(&stress.force).for_each(|(load, force)| *load -= force);
         }
         if let Some(known) = &mut self.known_pressure {
             self.comm.agree(known.set(time))?;

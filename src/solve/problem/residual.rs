@@ -34,15 +34,24 @@ impl Problem<'_> {
             let length = load.iter().map(|l| l * l).sum::<f64>().sqrt();
             *magnitude = magnitude.max(length);
         }
+        // Stresses at the start too, whose forces cancel at the nodes.
+        if let Some(stress) = &self.initial_stress {
+            let of_stress = magnitude.iter_mut().zip(&stress.magnitude);
+            of_stress.for_each(|(magnitude, of_stress)| *magnitude += of_stress);
+        }
         let u = self.displacement[..x.len()].chunks_exact(dim);
         let mut scales = Scales::default();
         for ((u, force), stiffness) in u.zip(&magnitude).zip(&self.stiffness) {
             scales.see(*force, u, *stiffness);
         }
+        if let Some(stress) = &self.initial_stress {
+            scales.displacement = scales.displacement.max(stress.displacement);
+        }
         self.convergence.see_scales(self.comm, scales);
     }
 
-    /// Loads and forces of the pore pressure at owned nodes (N). Collective.
+    /// Loads, less the forces of the stresses at the start, and forces of the pore pressure at
+    /// owned nodes (N). Collective.
     pub(super) fn applied(&self) -> Vec<f64> {
         let mut applied = self.load.clone();
         applied.iter_mut().zip(&self.pore_force).for_each(|(l, p)| *l += p);

@@ -7,6 +7,7 @@ mod branching;
 mod descent;
 mod doubts;
 mod growth;
+mod lifted;
 mod persist;
 mod ramp;
 mod rounding;
@@ -209,8 +210,12 @@ impl<'a> Stepper<'a> {
         let mut x = self.x.write()?;
         self.problem.all.for_prescribed(|node, component| {
             let nodes = &self.problem.all.nodes;
-            let at = |time| self.supports.value(nodes, node, component, time);
             let unknown = node * self.problem.all.dim + component;
+            // What is prescribed counts from where results do.
+            let origin = self.problem.origin.get(unknown).copied().unwrap_or(0.0);
+            let at = |time| -> Result<f64> {
+                Ok(origin + self.supports.value(nodes, node, component, time)?)
+            };
             let before = self.carried.as_ref().map_or(0.0, |carried| carried.start[unknown]);
             x[unknown] = match part {
                 1.0 => at(time)?,

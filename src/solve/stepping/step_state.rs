@@ -23,6 +23,9 @@ pub struct StepState {
     /// Whether the equilibrium at the start has been found (`initial.equilibrium`).
     #[serde(default)]
     pub has_begun: bool,
+    /// Elastic energy of the state from which results count (J).
+    #[serde(default)]
+    pub elastic_at_start: f64,
     /// Until when what jumps at the start grows, where it has to (s).
     #[serde(default)]
     pub ramp: Option<f64>,
@@ -114,7 +117,8 @@ impl StepState {
         }
         let fluid: [f64; 7] = self.fluid.into();
         let numbers = self.energy.iter().chain(&self.elsewhere).chain(&fluid);
-        let numbers = numbers.chain(&self.load_factor).chain(&self.ramp).chain([&self.time]);
+        let numbers = numbers.chain(&self.load_factor).chain(&self.ramp);
+        let numbers = numbers.chain([&self.time, &self.elastic_at_start]);
         if let Some(number) = numbers.copied().find(|number| !number.is_finite()) {
             return wrong("state", number);
         }
