@@ -14,7 +14,7 @@ pub use crate::input::{Formula, Value};
 pub use crate::law::LawSpec;
 pub use checked::Case;
 pub use checks::{BULK, CLOSEST_PLANES, Control, ControlKind, Every, FlowSpec, Imperfection};
-pub use checks::{InterfaceQuantity, PhysicsDecision};
+pub use checks::{InterfaceQuantity, NodeStart, PhysicsDecision};
 pub use schema::schema;
 pub use sections::{BoundarySpec, Cells, ColumnSpec, Expectation, Fields, FileSpec, FilmSpec};
 pub use sections::{Form, Formulation, InterfaceSpec, Linear, Location, Material, MeshSource};

@@ -38,9 +38,10 @@ impl Case {
     }
 }
 
-/// Whether each interface, undamaged, joins its bodies.
+/// Whether each interface joins its bodies at the start; where that depends on the place it is taken
+/// to do so.
 pub(super) fn holds(interfaces: &[InterfaceSpec]) -> Vec<bool> {
-    interfaces.iter().map(|i| i.law.law().holds_sliding(0.0)).collect()
+    interfaces.iter().map(|i| i.joins_at_start().unwrap_or(true)).collect()
 }
 
 /// The rigid motions that nothing prevents, one sentence for each group of bodies.
@@ -75,9 +76,9 @@ pub(super) fn free_motions(
         } else {
             format!("bodies {} to {}", first + 1, last + 1)
         };
-        let mut laws = [below, above].into_iter().flatten().map(|interface| interface.law.name());
+        let mut beside = [below, above].into_iter().flatten();
         let is_pressed = motions.iter().any(|motion| motion == "translation along z");
-        let contact = if is_pressed && laws.any(|law| law == "contact") {
+        let contact = if is_pressed && beside.any(|i| i.joins_at_start() == Some(false)) {
             "; a contact does not count, also where weight or a traction presses it: in the place \
              of the load prescribe the displacement of a surface of that body, or hold it by \
              linear_softening with a strength that is small beside the load"

@@ -5,7 +5,10 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::quantity::{CheckpointSection, FluidSection, InitialSection, LimitsSection, Quantity};
+use super::quantity::{
+    CheckpointSection, FluidSection, InitialSection, InterfaceInitialSection, LimitsSection,
+    Quantity,
+};
 use super::{Formulation, Gap, Porous, Reduce, Side, SolverSpec, Surface};
 use crate::law::LawSpec;
 
@@ -207,6 +210,9 @@ pub struct InterfaceSection {
     /// Fluid between the lips.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fluid: Option<FluidSection>,
+    /// Its state at the start.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub initial: Option<InterfaceInitialSection>,
 }
 
 /// What is prescribed on a surface.
