@@ -91,8 +91,8 @@ pub struct Scene {
     /// Twentieths by which the first interface is weaker, the same everywhere or along x.
     pub imperfection: [i32; 2],
     pub control: Control,
-    /// Eighths of the damage at the start of the first interface that has a strength, how steeply it
-    /// varies along x, and quarters of the load's displacement between the lips of contacts.
+    /// Eighths of the damage at the start of the first interface that has a strength, how steeply
+    /// it varies along x, and quarters of the load's displacement between the lips of contacts.
     pub crack: [i32; 3],
 }
 

@@ -38,8 +38,8 @@ impl Case {
     }
 }
 
-/// Whether each interface joins its bodies at the start; where that depends on the place it is taken
-/// to do so.
+/// Whether each interface joins its bodies at the start; where that depends on the place it is
+/// taken to do so.
 pub(super) fn holds(interfaces: &[InterfaceSpec]) -> Vec<bool> {
     interfaces.iter().map(|i| i.joins_at_start().unwrap_or(true)).collect()
 }

@@ -237,9 +237,9 @@ impl InterfaceState {
         std::array::from_fn(|c| bulk_traction[c] + r * jump[c])
     }
 
-    /// The largest part that is taken up of what a point bears before it gives way: of the strength,
-    /// compression left out, and where it is damaged of its reach; 0 where it is no more than
-    /// rounding beside the compression. Collective.
+    /// The largest part that is taken up of what a point bears before it gives way: of the
+    /// strength, compression left out, and where it is damaged of its reach; 0 where it is no more
+    /// than rounding beside the compression. Collective.
     pub fn share_of_strength(&self, comm: &Comm, all: &Discretization) -> f64 {
         let mut largest = [0.0_f64; 2];
         for (index, response) in self.response.iter().enumerate() {
