@@ -17,7 +17,6 @@ fn shipped_columns_start_damaged_or_apart() {
         let scene = scene.set(&format!("solver.linear={}", SOLVERS[(order + ranks) % 5]));
         let run = scene.set(&format!("interfaces.0.secondary={side}")).on(ranks);
         assert_eq!(run.report["status"], "done", "{}", run.label);
-        run.assert_energy_balance(1e-9);
     }
 }
 
