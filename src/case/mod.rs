@@ -17,7 +17,7 @@ pub use checked::{Case, Stage};
 pub use checks::{
     AtRest, BULK, CLOSEST_PLANES, Control, ControlKind, Every, FlowSpec, Imperfection,
 };
-pub use checks::{InterfaceQuantity, PhysicsDecision, StressSpec};
+pub use checks::{InterfaceQuantity, NodeStart, PhysicsDecision, StressSpec};
 pub use schema::schema;
 pub use sections::{BoundarySpec, Cells, ColumnSpec, Expectation, Fields, FileSpec, FilmSpec};
 pub use sections::{Form, Formulation, InterfaceSpec, Linear, Location, Material, MeshSource};

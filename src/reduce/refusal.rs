@@ -65,6 +65,9 @@ pub fn refusal(case: &Case, situation: Situation) -> Option<String> {
         let name = &case.interfaces[imperfection.interface].name;
         return Some(format!("{name} has an imperfection"));
     }
+    if let Some(interface) = case.interfaces.iter().find(|i| i.initial.gap.is_some()) {
+        return Some(format!("{} has a gap at the start", interface.name));
+    }
     if let Some(material) = case.materials.iter().find(|m| case.has_mean_dilatation(m)) {
         return Some(format!("no bound is known for the B-bar cells of {}", material.name));
     }
@@ -85,6 +88,12 @@ fn varying(case: &Case) -> Option<String> {
     }
     if case.body_force.iter().any(Value::varies_in_space) {
         return Some("the body force".into());
+    }
+    let cracked = |i: &&crate::case::InterfaceSpec| {
+        i.initial.damage.as_ref().is_some_and(Value::varies_in_space)
+    };
+    if let Some(interface) = case.interfaces.iter().find(cracked) {
+        return Some(format!("the damage of {} at the start", interface.name));
     }
     let fluid = |i: &&crate::case::InterfaceSpec| {
         i.fluid_pressure.as_ref().is_some_and(Value::varies_in_space)
@@ -148,6 +157,22 @@ mod tests {
                 "the displacement of top varies in space",
             ),
             (case("", &["body_force.z={formula: z}"]), situation, "the body force varies"),
+            (
+                case("", &["interfaces.0.initial.damage={formula: x < 0.5}"]),
+                situation,
+                "the damage of joint at the start varies in space",
+            ),
+            (
+                case(
+                    "",
+                    &[
+                        "interfaces.0.initial={damage: 1, gap: 1.0e-4}",
+                        "boundary.1.displacement={x: 0, y: 0, z: 1.0e-3}",
+                    ],
+                ),
+                situation,
+                "joint has a gap at the start",
+            ),
         ] {
             let found = refusal(&case, situation).unwrap_or_default();
             assert!(found.contains(words), "{found}: {words}");

@@ -11,7 +11,7 @@ use crate::interface::{Sides, unresolved_zones};
 use crate::mesh::{LocalMesh, MeshFamily};
 use crate::reduce::{NONE_OF_USE, Situation, candidates_in, refusal};
 use crate::solve::model::memory::{memory, pressures};
-use crate::solve::{self, LinearChoice, check_fit, strength_factors};
+use crate::solve::{self, LinearChoice, check_fit, starts, strength_factors};
 use crate::space::{AtNode, Prescribed, PrescribedPressure, check_directions};
 
 /// Largest column that the check walks through node by node.
@@ -68,7 +68,11 @@ pub fn describe(case: &Case) -> Result<String> {
         let (name, law) = (&interface.name, interface.law.name());
         line(
             "interface",
-            format!("{name} {}: {law}, multipliers on the {secondary} side", interface.place()),
+            format!(
+                "{name} {}: {law}{}, multipliers on the {secondary} side",
+                interface.place(),
+                interface.start_words()
+            ),
         )?;
     }
     for words in unresolved_zones(case, &facts, &sides) {
@@ -108,12 +112,15 @@ fn on_whole_mesh(case: &Case, mesh: &LocalMesh, sides: &[Sides]) -> Result<()> {
         Loads::inflow(case, &corners).check(&times)?;
         Loads::injection(case, &corners).check(&times)?;
     }
-    let secondary = sides.iter().flat_map(|side| {
-        let own = mesh.nodes.iter().filter(|(_, _, marks)| side.is_secondary(marks));
-        own.map(|(name, point, _)| (side.interface, name, point))
-    });
-    strength_factors(case, secondary).map_err(|AtNode(_, error)| error)?;
-    Ok(())
+    let secondary = || {
+        sides.iter().flat_map(|side| {
+            let own = mesh.nodes.iter().filter(|(_, _, marks)| side.is_secondary(marks));
+            own.map(|(name, point, _)| (side.interface, name, point))
+        })
+    };
+    let factors = strength_factors(case, secondary()).map(|_| ());
+    let checked = factors.and_then(|()| starts(case, secondary()).map(|_| ()));
+    checked.map_err(|AtNode(_, error)| error)
 }
 
 /// Whether a run would try a smaller model, in words.

@@ -202,7 +202,8 @@ impl InterfacePoints {
         let all = &model.stepper.problem.all;
         let normal = |n: &u32| in_space(values.normal(model, *n), case.axes);
         let is_of_file = case.mesh.file().is_some();
-        let has_gap = case.interfaces[interface].has_gap;
+        let of = &case.interfaces[interface];
+        let has_gap = of.has_gap || of.initial.gap.is_some();
         Self {
             names: nodes.iter().map(|n| all.nodes.names[*n as usize] as i64).collect(),
             normals: is_of_file.then(|| nodes.iter().flat_map(normal).collect()),

@@ -161,18 +161,25 @@ impl Stepper<'_> {
         self.resume_tractions()
     }
 
-    /// The history of the secondary nodes; of those that had no multiplier before there is none.
-    /// Collective.
+    /// The history of the secondary nodes; of those that had no multiplier before it is that of the
+    /// start. Collective.
     fn taken_interfaces(&self, handed: &Handover) -> Rows {
-        let all = &self.problem.all;
-        let secondary = &all.secondary[..all.owned_secondary()];
-        let mut names: Vec<u64> =
-            secondary.iter().map(|rows| all.nodes.names[rows.node as usize]).collect();
-        names.sort_unstable();
+        let (all, state) = (&self.problem.all, &self.problem.interfaces);
+        let secondary = all.secondary[..all.owned_secondary()].iter().enumerate();
+        let mut nodes: Vec<(u64, usize)> = secondary
+            .map(|(index, rows)| (all.nodes.names[rows.node as usize], index))
+            .collect();
+        nodes.sort_unstable();
+        let names: Vec<u64> = nodes.iter().map(|(name, _)| *name).collect();
         let found = self.problem.comm.from_slabs(handed.nodes, &handed.interface, &names);
-        let none = || vec![0.0; INTERFACE_WIDTH];
-        let values = found.into_iter().flat_map(|row| row.unwrap_or_else(none)).collect();
-        Rows { width: INTERFACE_WIDTH, names, values }
+        let at_start = |index: usize| {
+            let mut row = vec![state.initial[index], state.dissipated_before(all, index)];
+            row.resize(INTERFACE_WIDTH, 0.0);
+            row
+        };
+        let rows = found.into_iter().zip(&nodes);
+        let values = rows.flat_map(|(row, (_, index))| row.unwrap_or_else(|| at_start(*index)));
+        Rows { width: INTERFACE_WIDTH, values: values.collect(), names }
     }
 
     /// Takes what a later stage has from those before it out of the rows of its state, in slabs.

@@ -9,6 +9,7 @@ mod any_mesh;
 mod beams;
 mod blocks;
 mod branches;
+mod cracks;
 mod cubes;
 mod curved;
 mod diffusion;

@@ -38,15 +38,19 @@ impl Case {
     }
 }
 
-/// Whether each interface, undamaged, joins its bodies.
+/// Whether each interface joins its bodies at the start; where that depends on the place it is
+/// taken to do so.
 pub(super) fn holds(interfaces: &[InterfaceSpec]) -> Vec<bool> {
-    interfaces.iter().map(|i| i.law.law().holds_sliding(0.0)).collect()
+    interfaces.iter().map(|i| i.joins_at_start().unwrap_or(true)).collect()
 }
 
-/// Whether each interface presses on its bodies where it does not join them: contact does, along
-/// its normal, as long as a load keeps it closed.
+/// Whether each interface presses on its bodies where it does not join them: contact does, and a
+/// crack that is there at the start, along its normal, as long as a load keeps it closed.
 pub(super) fn presses(interfaces: &[InterfaceSpec]) -> Vec<bool> {
-    interfaces.iter().map(|i| i.law.law().strength().is_none()).collect()
+    let presses = |i: &InterfaceSpec| {
+        i.law.law().strength().is_none() || i.joins_at_start() == Some(false)
+    };
+    interfaces.iter().map(presses).collect()
 }
 
 /// The rigid motions that nothing prevents, one sentence for each group of bodies.
@@ -91,8 +95,8 @@ pub(super) fn free_motions(
         } else {
             format!("bodies {} to {}", first + 1, last + 1)
         };
-        let mut laws = [below, above].into_iter().flatten().map(|interface| interface.law.name());
-        let contact = if laws.any(|law| law == "contact") {
+        let mut beside = [below, above].into_iter().flatten();
+        let contact = if beside.any(|i| i.joins_at_start() == Some(false)) {
             "; a contact holds what is pressed on it along its normal, and nothing sideways without \
              friction"
         } else {

@@ -6,7 +6,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use super::quantity::Components;
-use super::quantity::{CheckpointSection, FluidSection, InitialSection, LimitsSection, Quantity};
+use super::quantity::{
+    CheckpointSection, FluidSection, InitialSection, InterfaceInitialSection, LimitsSection,
+    Quantity,
+};
 use super::{Formulation, Gap, Porous, Reduce, Side, SolverSpec, StageSection, Surface};
 use crate::law::LawSpec;
 
@@ -212,6 +215,9 @@ pub struct InterfaceSection {
     /// Fluid between the lips.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fluid: Option<FluidSection>,
+    /// Its state at the start.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub initial: Option<InterfaceInitialSection>,
 }
 
 /// What is prescribed on a surface.

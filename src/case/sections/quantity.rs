@@ -126,6 +126,22 @@ pub struct StressSection {
     pub k0: Option<Quantity>,
 }
 
+/// The state of an interface at the start.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(extend("minProperties" = 1))]
+pub struct InterfaceInitialSection {
+    /// Damage from 0 to 1, an open crack without strength.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damage: Option<SpatialQuantity>,
+    /// Distance of the lips in m, where nothing holds them together.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gap: Option<SpatialQuantity>,
+    /// Width in m in which fluid flows and is stored where the lips are closed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub aperture: Option<SpatialQuantity>,
+}
+
 /// An imperfection of an interface.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -133,14 +149,14 @@ pub struct ImperfectionSection {
     /// Name of the interface.
     pub interface: String,
     /// What its strength and its fracture energy are multiplied by; the critical jump stays.
-    pub factor: FactorSection,
+    pub factor: SpatialQuantity,
 }
 
-/// A factor: a number, or a formula in space.
+/// A number, or a formula in space.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum FactorSection {
-    /// The same on the whole interface.
+pub enum SpatialQuantity {
+    /// The same everywhere.
     Number(f64),
     /// In x, y, z.
     Formula(FormulaSection),
@@ -190,15 +206,15 @@ impl From<&str> for Quantity {
     }
 }
 
-impl From<f64> for FactorSection {
-    fn from(factor: f64) -> Self {
-        FactorSection::Number(factor)
+impl From<f64> for SpatialQuantity {
+    fn from(number: f64) -> Self {
+        SpatialQuantity::Number(number)
     }
 }
 
 /// A formula.
-impl From<&str> for FactorSection {
+impl From<&str> for SpatialQuantity {
     fn from(formula: &str) -> Self {
-        FactorSection::Formula(FormulaSection { formula: formula.to_owned() })
+        SpatialQuantity::Formula(FormulaSection { formula: formula.to_owned() })
     }
 }

@@ -1,6 +1,7 @@
 //! Tests of the reader: good cases, overrides, what is left out; mistakes have their own file.
 
 mod built;
+mod cracks;
 mod file_mesh;
 mod flow;
 mod limits;

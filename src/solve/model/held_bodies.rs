@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::BoundaryValueProblem;
+use super::initial::joins;
 use crate::assembly::Discretization;
 use crate::case::{BoundarySpec, Case, SurfaceBit};
 use crate::comm::Comm;
@@ -18,21 +19,30 @@ const MOST_MOTIONS: usize = 1200;
 const MOST_GROUPS: usize = 10_000;
 
 /// Refuses a case in which bodies can move without resistance at the start: neither supports nor
-/// interfaces that hold stop them. Collective.
+/// interfaces that hold stop them. Of a column this is known beforehand, unless it is said place by
+/// place what holds. Collective.
 ///
 /// # Errors
-/// `Input` that names the body and the motion.
+/// `Input` that names the body and the motion, or a formula that gives what cannot be.
 pub fn check(comm: &Comm, case: &Case, problem: &BoundaryValueProblem) -> Result<()> {
     let BoundaryValueProblem { mesh, all, .. } = problem;
+    let joins = joins(comm, case, all)?;
     if !mesh.is_of_file() {
-        return Ok(());
+        let depends = case.interfaces.iter().any(|i| i.joins_at_start().is_none());
+        // What does not join presses.
+        let presses: Vec<bool> = joins.iter().map(|joins| !joins).collect();
+        let free = if depends { case.free_motions(&joins, &presses) } else { Vec::new() };
+        return match free.first() {
+            Some(reason) => Err(Error::Input(format!("boundary leaves a body free: {reason}"))),
+            None => Ok(()),
+        };
     }
-    let bodies = Bodies::new(case, &mesh.facts);
+    let bodies = Bodies::new(&joins, &mesh.facts);
     if bodies.count > MOST_GROUPS {
         return Ok(());
     }
     let (resistance, middles) = bodies.sums(comm, all);
-    if let Some((group, number)) = bodies.first_free(comm, case, all, &resistance) {
+    if let Some((group, number)) = bodies.first_free(comm, &joins, all, &resistance) {
         let [x, y, z] = middles[group];
         return Err(Error::Input(format!(
             "nothing holds the body around ({x:.4}, {y:.4}, {z:.4}) m against a {}: neither the \
@@ -152,9 +162,9 @@ struct Bodies<'m> {
 }
 
 impl<'m> Bodies<'m> {
-    fn new(case: &Case, mesh: &'m MeshFacts) -> Self {
-        let holds = |interface: usize| case.interfaces[interface].law.law().holds_sliding(0.0);
-        let joints = mesh.joints.iter().filter(|joint| holds(joint.interface));
+    /// Those that the interfaces which are marked in `joins` make of the bodies of a mesh.
+    fn new(joins: &[bool], mesh: &'m MeshFacts) -> Self {
+        let joints = mesh.joints.iter().filter(|joint| joins[joint.interface]);
         let group = groups(mesh.bodies, joints.map(|joint| joint.bodies));
         let count = group.iter().max().map_or(0, |last| last + 1);
         Self { mesh, group, count }
@@ -165,7 +175,7 @@ impl<'m> Bodies<'m> {
     fn first_free(
         &self,
         comm: &Comm,
-        case: &Case,
+        joins: &[bool],
         all: &Discretization,
         resistance: &[f64],
     ) -> Option<(usize, usize)> {
@@ -187,9 +197,8 @@ impl<'m> Bodies<'m> {
         let mut pressed = vec![0.0; size * size];
         let normal = all.dim - 1;
         for rows in &all.secondary[..all.owned_secondary()] {
-            let law = case.interfaces[rows.interface].law.law();
             let Some(row) = &rows.rows[normal] else { continue };
-            if law.holds_sliding(0.0) {
+            if joins[rows.interface] {
                 continue;
             }
             let mut jump = DVector::<f64>::zeros(size);

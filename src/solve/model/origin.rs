@@ -4,12 +4,21 @@ use super::interfaces::InterfaceState;
 use crate::assembly::Discretization;
 
 impl InterfaceState {
+    /// Energy per area that the damage at the start stands for (J/m2); the run has not dissipated
+    /// it. Local.
+    pub(in crate::solve) fn dissipated_before(&self, all: &Discretization, index: usize) -> f64 {
+        let history = self.initial[index];
+        let law = || self.law_at(index, &all.secondary[index]);
+        if history > 0.0 { law().dissipated(history) } else { 0.0 }
+    }
+
     /// Lets jumps count from those of the displacements `origin` of all local nodes (m). How far
-    /// the lips of a contact are apart stays, which is what closes. Local.
+    /// the lips of a contact or of a crack are apart stays, which is what closes. Local.
     pub(in crate::solve) fn count_from(&mut self, all: &Discretization, origin: &[f64]) {
         let of = |index: usize| -> [f64; 3] {
-            let law = self.law_at(index, &all.secondary[index]);
-            let counted = if law.strength().is_some() { all.dim } else { all.dim - 1 };
+            let law = self.laws[all.secondary[index].interface].spec.law();
+            let is_held = law.strength().is_some() && law.holds_opening(self.initial[index]);
+            let counted = if is_held { all.dim } else { all.dim - 1 };
             std::array::from_fn(|c| if c < counted { all.jump(index, c, origin) } else { 0.0 })
         };
         self.origin = (0..self.response.len()).map(of).collect();

@@ -51,7 +51,8 @@ pub(super) fn potential_as_accepted(problem: &Problem<'_>) -> Option<f64> {
         is_pressed_in |= jump[0] < -PRESSED_IN * moved;
         let law = state.law_at(index, rows);
         let stored = law.recoverable(jump, state.committed[index]);
-        sum += rows.law_weight(dim) * (stored + state.dissipated[index]);
+        let dissipated = state.dissipated[index] - state.dissipated_before(all, index);
+        sum += rows.law_weight(dim) * (stored + dissipated);
     }
     let mut sums = [sum];
     problem.comm.sum(&mut sums);
@@ -77,7 +78,8 @@ fn held(problem: &Problem<'_>, load: &[f64]) -> [f64; 2] {
         let weight = rows.law_weight(dim);
         let jump = crate::solve::model::interfaces::to_local(response.jump, dim);
         let (before, from) = (state.dissipated[index], state.committed[index]);
-        dissipated += weight * law.dissipated_after(before, from, response.history, jump);
+        let after = law.dissipated_after(before, from, response.history, jump);
+        dissipated += weight * (after - state.dissipated_before(all, index));
         stored += weight * law.recoverable(jump, response.history);
     }
     [stored, dissipated]

@@ -9,6 +9,9 @@ use crate::error::{Error, Result};
 use crate::law::Branch;
 use crate::solve::problem::Energy;
 
+/// What damage at the start has dissipated is known up to this part of it.
+const ROUNDING: f64 = 1e-12;
+
 impl Stepper<'_> {
     /// Whether the case asks for equilibrium at the start. Local.
     pub(in crate::solve) fn starts_in_equilibrium(&self) -> bool {
@@ -133,8 +136,12 @@ impl Stepper<'_> {
         if self.case.initial_stress.is_none() {
             return Ok(());
         }
-        let dissipated = &self.problem.interfaces.dissipated;
-        self.refuse_softened(|index| dissipated[index] > 0.0)?;
+        let (all, state) = (&self.problem.all, &self.problem.interfaces);
+        self.refuse_softened(|index| {
+            let has_grown = state.committed[index] > state.initial[index];
+            let before = state.dissipated_before(all, index);
+            has_grown && state.dissipated[index] > (1.0 + ROUNDING) * before
+        })?;
         self.tell_of_lips();
         let problem = &mut self.problem;
         problem.origin.clone_from(&problem.displacement);
@@ -160,7 +167,8 @@ impl Stepper<'_> {
         let (all, state) = (&self.problem.all, &self.problem.interfaces);
         self.refuse_softened(|index| {
             let law = state.law_at(index, &all.secondary[index]);
-            law.dissipated(state.response[index].history) > 0.0
+            let dissipated = law.dissipated(state.response[index].history);
+            dissipated > (1.0 + ROUNDING) * state.dissipated_before(all, index)
         })
     }
 
