@@ -166,9 +166,8 @@ impl Stepper<'_> {
     fn taken_interfaces(&self, handed: &Handover) -> Rows {
         let (all, state) = (&self.problem.all, &self.problem.interfaces);
         let secondary = all.secondary[..all.owned_secondary()].iter().enumerate();
-        let mut nodes: Vec<(u64, usize)> = secondary
-            .map(|(index, rows)| (all.nodes.names[rows.node as usize], index))
-            .collect();
+        let mut nodes: Vec<(u64, usize)> =
+            secondary.map(|(index, rows)| (all.nodes.names[rows.node as usize], index)).collect();
         nodes.sort_unstable();
         let names: Vec<u64> = nodes.iter().map(|(name, _)| *name).collect();
         let found = self.problem.comm.from_slabs(handed.nodes, &handed.interface, &names);

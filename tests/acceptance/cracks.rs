@@ -124,6 +124,8 @@ time: {{instants: [1, 2, 3, 4]}}
     one.assert_same(&of_box.set("interfaces.0.secondary=lower").on(1), 1e-8);
     one.assert_same(&of_box.scattered().on(3), 1e-8);
     one.assert_same(&of_box.stopped(1, "history:0:term:2", 2), 1e-8);
+    let stages = of_box.set("stages=[{until: 2}, {until: 4}]");
+    one.assert_same(&stages.stopped(2, "history:1:term:3", 1), 1e-8);
     let mesh = format!("{{file: \"{}\"}}", blocks.write());
     let of_file = rest(&mesh, "between: [face, lip]", "y", "on: [low, high], ");
     let imported = Scene::new("file", &of_file).in_any_steps().on(2);

@@ -132,6 +132,37 @@ fn ground_at_rest_stays_where_it_is_and_sinks_under_a_load() {
         let (dim, order, ranks) = (2 + number % 2, 1 + number / 2, 1 + number % 3);
         stays_and_sinks(&column(dim, order, law).on(ranks), "z");
     }
+    // A crack that is there before is pressed as a contact is.
+    stays_and_sinks(&column(2, 1, &format!("{COHESIVE}, initial: {{damage: 1}}")).on(2), "z");
+}
+
+/// What is half damaged unloads to the origin with 5e5 Pa/m.
+#[test]
+fn a_damaged_joint_under_tension_counts_from_its_opening() {
+    let run = column(2, 1, &format!("{COHESIVE}, initial: {{damage: 0.5}}"))
+        .set("initial.stress={zz: 4.0e3}")
+        .set("gravity=[0, 0]")
+        .set("boundary.3={on: top, traction: {z: {formula: \"4.0e3*(1 - step(t - 1))\"}}}")
+        .on(1);
+    run.assert_column("joint.normal_traction", &[4e3, 4e3, 0.0], 1e-9, 1e-6);
+    run.assert_column("joint.normal_jump", &[0.0, 0.0, -8e-3], 1e-9, 1e-12);
+    run.assert_column("energy.dissipated", &[0.0; 3], 0.0, 1e-9);
+    run.assert_energy_balance(1e-8);
+}
+
+/// The stresses are those of the ground as it was, whatever a stage makes of it.
+#[test]
+fn a_stage_adds_to_the_stresses_that_were_there() {
+    let stage = "{until: 1, materials: {soil: {elastic: {young_modulus: 4.0e8, density: 3000}}}}";
+    let run = column(2, 1, COHESIVE).set(&format!("stages=[{{until: 0.5}}, {stage}]")).on(2);
+    let walled = (1.0 - NU) / ((1.0 + NU) * (1.0 - 2.0 * NU));
+    let added = 1000.0 * 10.0 * 2.0;
+    let sinking = (LOAD + added) / YOUNG[0] + (LOAD + 0.5 * added) * 2.0 / 4e8;
+    let weight = -DENSITY * 10.0 * 2.0;
+    let last = [-sinking / walled, weight - added - LOAD];
+    run.assert_column("head.displacement_z", &[0.0, 0.0, last[0]], 1e-9, 1e-12);
+    run.assert_column("joint.normal_traction", &[weight, weight, last[1]], 1e-9, 0.0);
+    run.assert_energy_balance(1e-8);
 }
 
 #[test]
@@ -166,6 +197,8 @@ fn a_run_that_was_stopped_goes_on_from_the_stresses_that_were_there() {
         assert!((held - external).abs() <= 1e-6 * external.abs() + 1e-9, "{held} {external}");
     }
     whole.assert_same(&scene.stopped(2, "history:0:term:1", 1), 1e-9);
+    let stages = scene.set("stages=[{until: 1}, {until: 3}]");
+    whole.assert_same(&stages.stopped(2, "history:1:term:3", 1), 1e-9);
 }
 
 #[test]

@@ -47,9 +47,8 @@ pub(super) fn holds(interfaces: &[InterfaceSpec]) -> Vec<bool> {
 /// Whether each interface presses on its bodies where it does not join them: contact does, and a
 /// crack that is there at the start, along its normal, as long as a load keeps it closed.
 pub(super) fn presses(interfaces: &[InterfaceSpec]) -> Vec<bool> {
-    let presses = |i: &InterfaceSpec| {
-        i.law.law().strength().is_none() || i.joins_at_start() == Some(false)
-    };
+    let presses =
+        |i: &InterfaceSpec| i.law.law().strength().is_none() || i.joins_at_start() == Some(false);
     interfaces.iter().map(presses).collect()
 }
 

@@ -30,7 +30,10 @@ fn the_start_of_an_interface_is_read() {
     assert!(case.is_err(), "a contact holds nothing");
     let crack = with(COHESIVE, "{damage: 1}");
     let free = message(LAW, &crack, &["boundary.1={on: top, traction: {z: -1}}"]);
-    assert!(free.contains("body 2") && free.contains("a contact does not count"), "{free}");
+    assert!(free.contains("body 2") && free.contains("a contact holds what is pressed"), "{free}");
+    // A crack holds what is pressed on it, as contact does.
+    let pressed = "boundary.1={on: top, displacement: {x: 0, y: 0}, traction: {z: -1}}";
+    assert!(read_with(LAW, &crack, &[pressed]).is_ok());
 }
 
 #[test]

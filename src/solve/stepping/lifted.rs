@@ -12,8 +12,16 @@ impl Stepper<'_> {
         let problem = &self.problem;
         let (all, state) = (&problem.all, &problem.interfaces);
         let mut open = vec![0.0; self.case.interfaces.len()];
-        for (rows, response) in all.secondary.iter().zip(&state.response) {
-            if response.branch == Branch::Open && rows.has_multiplier() {
+        let nodes = all.secondary.iter().zip(&state.response).zip(&state.initial);
+        for ((rows, response), initial) in nodes {
+            let law = state.laws[rows.interface].spec.law();
+            let is_open = match response.branch {
+                Branch::Open => true,
+                // A crack that is there at the start is as a contact.
+                Branch::Broken => !law.holds_opening(*initial),
+                _ => false,
+            };
+            if is_open && rows.has_multiplier() {
                 open[rows.interface] = 1.0;
             }
         }
