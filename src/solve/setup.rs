@@ -75,8 +75,7 @@ pub fn build<'a>(
     let system = system(runtime, case, &choice, &all, levels)?;
     let System { snes, form, diagonal, saddle, rows } = system;
     let known_pressure = known_pressure(comm, case, &mesh, &all)?;
-    let gaps = &interfaces.gaps;
-    let of = Displacements { mesh: &mesh, all: &all, sides: &sides, gaps };
+    let of = Displacements { mesh: &mesh, all: &all, sides: &sides, gaps: &interfaces.gaps };
     let (snes, mut x, mut coupling) = match &case.flow {
         Some(flow) => {
             let tangent = match &form {

@@ -76,7 +76,6 @@ impl Checker<'_> {
         let interfaces = self.interfaces(&file, &mesh);
         let boundary = self.boundary(&file);
         let surfaces = self.surfaces(&boundary);
-        let body_force = self.body_force(&file);
         let imperfections = self.imperfections(&file, &interfaces);
         let instants = self.time(&file);
         self.solver(&file.solver);
@@ -93,7 +92,6 @@ impl Checker<'_> {
         let initial_stress = self.initial_stress(&file, &materials);
         self.beside_friction(&file, &interfaces, flow.is_some());
         write_out(&mut file, path, physics);
-        let gravity = self.by_axis(file.gravity.as_deref().unwrap_or_default());
         let (checkpoint, wall) = self.limits(&file);
         let output = self.output(&file, &time, checkpoint);
         let probes = self.probes(&file, &mesh, &interfaces);
@@ -109,8 +107,8 @@ impl Checker<'_> {
             materials,
             interfaces,
             boundary,
-            body_force,
-            gravity,
+            body_force: self.body_force(&file),
+            gravity: self.by_axis(file.gravity.as_deref().unwrap_or_default()),
             imperfections,
             initial_stress,
             physics,

@@ -1,6 +1,6 @@
 //! Whether any body of the column can move freely as a rigid body.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, SymmetricEigen};
 
 use crate::case::Case;
 use crate::case::bodies::Bodies;
@@ -160,11 +160,11 @@ fn motions_left(
 
 /// The motions of a part in those that `moved` has as columns.
 fn names_of(motions: &[usize], moved: DMatrix<f64>) -> Vec<String> {
-    let svd = moved.svd(true, false);
-    let Some(left) = svd.u else { return Vec::new() };
-    let kept: Vec<usize> =
-        (0..svd.singular_values.len()).filter(|k| svd.singular_values[*k] > 1e-6).collect();
-    let share = |row: usize| kept.iter().map(|k| left[(row, *k)].powi(2)).sum::<f64>();
+    // A singular value decomposition of less than full rank has left vectors that are less exact.
+    let eigen = SymmetricEigen::new(&moved * moved.transpose());
+    let kept: Vec<usize> = (0..motions.len()).filter(|k| eigen.eigenvalues[*k] > 1e-12).collect();
+    let share =
+        |row: usize| kept.iter().map(|k| eigen.eigenvectors[(row, *k)].powi(2)).sum::<f64>();
     let named = motions.iter().enumerate().filter(|(row, motion)| {
         // A rotation about a line off the centre has a translation in it that is not free by
         // itself: only the rotation is named.

@@ -262,7 +262,7 @@ fn all_mistakes_are_told_at_once() {
     let expected = "\
 case.yaml:5:30: materials.rock.elastic.young_modulus must be positive, got -5.8e9
 case.yaml:8:5: interfaces.0.hight is not a known key (known: between, flip, fluid, \
-gap, law, name, on, secondary, z)
+gap, initial, law, name, on, secondary, z)
 case.yaml:9:8: interfaces.0.z must lie inside the column, in (0, 5), got 7
 case.yaml:12:10: boundary.0.on cannot be `botom`; did you mean `bottom`? (known: bottom, top, \
 left, right, front, back, all)

@@ -129,7 +129,9 @@ fn words_that_became_true_or_false_are_told() {
         (
             "time:",
             "initial: {strain: 3}\ntime:",
-            "13:11: initial.strain is not a known key; did you mean stress?".to_owned(),
+            "13:11: initial.strain is not a known key (known: equilibrium, imperfection, \
+             pressure, stress)"
+                .to_owned(),
         ),
         ("time:", "initial: {}\ntime:", "13:10: initial has no entries".to_owned()),
     ] {

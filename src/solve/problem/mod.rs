@@ -187,11 +187,6 @@ impl<'a> Problem<'a> {
             mesh,
         } = parts;
         let components = all.nodes.len() * all.dim;
-        let mut of_all = vec![0.0; components];
-        all.add_diagonal(&mut of_all);
-        all.nodes.add_to_owners(&mut of_all, all.dim);
-        let of_nodes = of_all[..all.nodes.owned * all.dim].chunks_exact(all.dim);
-        let stiffness = of_nodes.map(|k| k.iter().fold(0.0, |m: f64, k| m.max(*k))).collect();
         Self {
             comm,
             timers,
@@ -201,7 +196,7 @@ impl<'a> Problem<'a> {
             linear,
             form,
             diagonal,
-            stiffness,
+            stiffness: stiffness_of_nodes(&all),
             areas: Areas::new(comm, &all, mesh.order),
             displacement: vec![0.0; components],
             origin: Vec::new(),
@@ -390,4 +385,13 @@ impl<'a> Problem<'a> {
             std::mem::swap(state, spare);
         }
     }
+}
+
+/// The largest stiffness of each owned node (N/m). Collective.
+fn stiffness_of_nodes(all: &Discretization) -> Vec<f64> {
+    let mut of_all = vec![0.0; all.nodes.len() * all.dim];
+    all.add_diagonal(&mut of_all);
+    all.nodes.add_to_owners(&mut of_all, all.dim);
+    let of_nodes = of_all[..all.nodes.owned * all.dim].chunks_exact(all.dim);
+    of_nodes.map(|k| k.iter().fold(0.0, |most: f64, k| most.max(*k))).collect()
 }
