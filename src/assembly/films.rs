@@ -1,6 +1,7 @@
 //! The films of fluid in the interfaces of one rank: what they store, how they flow, how they push.
 //!
-//! The opening is the normal jump at the secondary nodes, the pressure that of the lips, linear on
+//! The opening is the normal jump at the secondary nodes, with the width that is there before
+//! anything moves (gaps, and what closed joints conduct), the pressure that of the lips, linear on
 //! the corners of the secondary facets. What a node stores counts by the weight of its jump row,
 //! which is also what the pressure there pushes on: the two are adjoint, so that the work of the
 //! film is exactly what fills it.
@@ -14,6 +15,8 @@ use crate::interface::{Film, FilmState, Fluid};
 pub struct FilmNode {
     /// Index into `Discretization::secondary`.
     pub secondary: u32,
+    /// Opening before anything moves (m).
+    pub width: f64,
     /// Local pressure nodes and their parts of the pressure there.
     pub corners: Vec<(u32, f64)>,
 }
@@ -34,8 +37,11 @@ pub struct Opening {
 pub struct FilmFacet {
     /// Index among the prototypes.
     pub prototype: u32,
-    /// What makes up the openings at its nodes; where nothing does they are 0.
+    /// What makes up the openings at its nodes; where nothing does they are those before anything
+    /// moves.
     pub openings: Vec<Opening>,
+    /// Openings at its nodes before anything moves (m).
+    pub widths: Vec<f64>,
     /// Local pressure nodes of its corners.
     pub corners: Vec<u32>,
 }
@@ -78,7 +84,7 @@ impl Films {
         self.fluid.is_some()
     }
 
-    /// Opening at an entry of `Discretization::secondary` (m).
+    /// What displacements open at an entry of `Discretization::secondary` (m).
     fn opening(all: &Discretization, secondary: u32, u: &[f64]) -> f64 {
         all.jump(secondary as usize, all.dim - 1, u)
     }
@@ -86,6 +92,12 @@ impl Films {
     /// Weight of its jump row (m2; 2D: m).
     fn weight(all: &Discretization, secondary: u32) -> f64 {
         all.secondary[secondary as usize].rows[all.dim - 1].as_ref().map_or(0.0, |row| row.weight)
+    }
+
+    /// The volume between the lips at a node (m3).
+    fn held_by(all: &Discretization, node: &FilmNode, u: &[f64]) -> f64 {
+        let opening = Self::opening(all, node.secondary, u);
+        Self::weight(all, node.secondary) * (opening + node.width)
     }
 
     /// Value at a node of what stands at the corners.
@@ -130,7 +142,7 @@ impl Films {
         let PoroState { displacement: u, pressure: p } = state;
         let BalanceSums { rows, sizes } = sums;
         for node in &self.nodes {
-            let opened = Self::weight(all, node.secondary) * Self::opening(all, node.secondary, u);
+            let opened = Self::held_by(all, node, u);
             let held = opened * fluid.density_ratio(Self::at(node, p) - fluid.reference);
             for (corner, part) in &node.corners {
                 rows[*corner as usize] += part * held;
@@ -153,6 +165,7 @@ impl Films {
         for facet in &self.facets {
             let film = &self.prototypes[facet.prototype as usize];
             facet.set_openings(all, u, film.nodes(), &mut opening);
+            opening.iter_mut().zip(&facet.widths).for_each(|(w, width)| *w += width);
             pressure.clear();
             pressure.extend(facet.corners.iter().map(|c| p[*c as usize] - fluid.reference));
             let state = FilmState { opening: &opening, pressure: &pressure, gravity: *gravity };
@@ -196,7 +209,7 @@ impl Films {
         let Some(fluid) = &self.fluid else { return FilmTangent::default() };
         let PoroState { displacement: u, pressure: p } = state;
         let stored = |node: &FilmNode| {
-            let opened = Self::weight(all, node.secondary) * Self::opening(all, node.secondary, u);
+            let opened = Self::held_by(all, node, u);
             let ratio = fluid.density_ratio(Self::at(node, p) - fluid.reference);
             (opened * ratio * fluid.compressibility).max(0.0)
         };
@@ -211,7 +224,7 @@ impl Films {
 }
 
 impl FilmFacet {
-    /// The openings at its `count` nodes for displacements `u` of all local nodes (m).
+    /// What displacements `u` of all local nodes open at its `count` nodes (m).
     fn set_openings(&self, all: &Discretization, u: &[f64], count: usize, out: &mut Vec<f64>) {
         out.clear();
         out.resize(count, 0.0);

@@ -53,6 +53,9 @@ impl Case {
         let name = Path::new(NAME);
         let mut case = read_tree(tree, name, Problems::new(name, &[]), Some(dim))?;
         // Its path is relative to the folder of the case file.
+        for stage in &mut case.stages {
+            stage.case.mesh.clone_from(&self.mesh);
+        }
         case.mesh = self.mesh;
         Ok(case)
     }

@@ -3,8 +3,8 @@
 use super::sections::file::CaseFile;
 use super::{
     BoundarySpec, Control, Expectation, FlowSpec, Formulation, Imperfection, InterfaceSpec,
-    Material, MeshSpec, OutputSpec, PhysicsDecision, Probe, Reduce, SolverSpec, Surface,
-    SurfaceBit, Value,
+    Material, MeshSpec, OutputSpec, PhysicsDecision, Probe, Reduce, SolverSpec, StressSpec,
+    Surface, SurfaceBit, Value,
 };
 
 /// A checked case.
@@ -26,6 +26,8 @@ pub struct Case {
     pub gravity: [f64; 3],
     /// What makes the structure imperfect.
     pub imperfections: Vec<Imperfection>,
+    /// Stresses that are there before.
+    pub initial_stress: Option<StressSpec>,
     /// What is computed.
     pub physics: PhysicsDecision,
     /// Flow in the pores, where it is computed.
@@ -58,16 +60,39 @@ pub struct Case {
     pub(super) knows_dimension: bool,
     /// The surfaces that may be asked for, each once; see [`Case::surfaces`].
     pub(super) surfaces: Vec<Surface>,
+    /// The surfaces that have a prescribed displacement in some stage; none without stages.
+    pub(super) supported: Vec<Surface>,
+    /// The stages, in their order: what else is said here of supports, loads and materials is that
+    /// of the first one.
+    pub stages: Vec<Stage>,
     /// One sentence for each thing that the file describes and the model leaves out.
     pub left_out: Vec<String>,
     /// The sections it was made of, with defaults written out.
     pub(super) file: CaseFile,
 }
 
+/// A part of the time, in which supports, loads, fluid and materials are the same.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stage {
+    /// When it ends (s).
+    pub until: f64,
+    /// The case as it is in this stage: it starts where the one before ended, and has the instants
+    /// of this one.
+    pub case: Case,
+}
+
 /// Poisson's ratio from which on full integration is not taken.
 const NEARLY_INCOMPRESSIBLE: f64 = 0.45;
 
 impl Case {
+    /// The case as it is in each of its stages; itself where it has none.
+    pub fn in_stages(&self) -> Vec<&Case> {
+        if self.stages.is_empty() {
+            return vec![self];
+        }
+        self.stages.iter().map(|stage| &stage.case).collect()
+    }
+
     /// The surfaces in the order of their bits in the marks of nodes: the sides of a column, or the
     /// groups of a mesh file on which something is prescribed.
     pub fn surfaces(&self) -> &[Surface] {
@@ -96,6 +121,25 @@ impl Case {
     /// Whether lips may slide with friction, which makes tangents unsymmetric.
     pub fn has_friction(&self) -> bool {
         self.interfaces.iter().any(InterfaceSpec::has_friction)
+    }
+
+    /// Whether the run starts from a state of equilibrium in the place of the undeformed one.
+    pub fn starts_in_equilibrium(&self) -> bool {
+        self.initial_stress.is_some() || self.flow.as_ref().is_some_and(|flow| flow.equilibrium)
+    }
+
+    /// The pore pressure at the start (Pa), where one acts on the skeleton.
+    pub fn pressure_at_start(&self, point: [f64; 3]) -> Option<f64> {
+        let of_all = |entry: &&BoundarySpec| entry.on == Surface::All && entry.pressure.is_some();
+        let prescribed = || self.boundary.iter().find(of_all)?.pressure.as_ref();
+        let value = match &self.flow {
+            Some(flow) => &flow.initial,
+            None if self.pressure_is_load => prescribed()?,
+            None => return None,
+        };
+        // A later stage starts later.
+        let start = self.initial_stress.as_ref().map_or(self.start, |stress| stress.start);
+        Some(value.at(point, start))
     }
 
     /// Whether a pore pressure acts on the skeleton, with flow or known beforehand.

@@ -9,12 +9,15 @@ mod checked;
 mod checks;
 mod schema;
 pub mod sections;
+mod stages;
 
 pub use crate::input::{Formula, Value};
 pub use crate::law::LawSpec;
-pub use checked::Case;
-pub use checks::{BULK, CLOSEST_PLANES, Control, ControlKind, Every, FlowSpec, Imperfection};
-pub use checks::{InterfaceQuantity, PhysicsDecision};
+pub use checked::{Case, Stage};
+pub use checks::{
+    AtRest, BULK, CLOSEST_PLANES, Control, ControlKind, Every, FlowSpec, Imperfection,
+};
+pub use checks::{InterfaceQuantity, NodeStart, PhysicsDecision, StressSpec};
 pub use schema::schema;
 pub use sections::{BoundarySpec, Cells, ColumnSpec, Expectation, Fields, FileSpec, FilmSpec};
 pub use sections::{Form, Formulation, InterfaceSpec, Linear, Location, Material, MeshSource};
@@ -29,6 +32,7 @@ use crate::input::problems::Problems;
 use crate::input::text::{LARGEST, read_text_of};
 use crate::input::tree::{self, Data, Node, Origin};
 use checks::Checker;
+use sections::CaseFile;
 
 /// Most overrides.
 const MOST_OVERRIDES: usize = 1000;
@@ -95,7 +99,7 @@ impl Case {
     pub fn load_times(&self) -> Vec<f64> {
         let of = |time: &f64| self.control.as_ref().map_or(*time, |c| c.load_time(*time));
         let mut times: Vec<f64> = self.time.iter().map(of).chain(self.breakpoints()).collect();
-        times.extend(self.flow.as_ref().filter(|flow| flow.equilibrium).map(|_| self.start));
+        times.extend(self.starts_in_equilibrium().then_some(self.start));
         times.sort_by(f64::total_cmp);
         times.dedup();
         times
@@ -117,14 +121,21 @@ fn read_tree(
     dim_of_file: Option<usize>,
 ) -> Result<Case> {
     let broken = schema::check(&mut tree, &mut problems);
-    let file = match serde_json::from_value(readable(&tree, &broken)) {
+    let file = match sections_of(&tree, &broken, path) {
         Ok(file) => file,
-        Err(error) if problems.is_empty() => {
-            return Err(Error::Input(format!("{}: {error}", path.display())));
-        }
+        Err(error) if problems.is_empty() => return Err(error),
         Err(_) => return Err(problems.into_error()),
     };
+    if !file.stages.is_empty() {
+        return stages::case(&tree, file, path, problems, broken, dim_of_file);
+    }
     Checker::new(&tree, problems, broken, dim_of_file).case(file, path)
+}
+
+/// The sections of a tree, with placeholders for those that are broken.
+fn sections_of(tree: &Node, broken: &BTreeSet<String>, path: &Path) -> Result<CaseFile> {
+    serde_json::from_value(readable(tree, broken))
+        .map_err(|error| Error::Input(format!("{}: {error}", path.display())))
 }
 
 /// Refuses more overrides than anyone types.

@@ -17,18 +17,31 @@ const SHOWN: usize = 200;
 pub(crate) struct Problems<'a> {
     path: &'a Path,
     overrides: &'a [String],
+    /// What stands in front of each message.
+    context: String,
     list: BTreeSet<(Origin, String)>,
 }
 
 impl<'a> Problems<'a> {
     pub fn new(path: &'a Path, overrides: &'a [String]) -> Self {
-        Problems { path, overrides, list: BTreeSet::new() }
+        Problems { path, overrides, context: String::new(), list: BTreeSet::new() }
+    }
+
+    /// No mistakes yet, of a part of the same file that messages begin with.
+    pub fn within(&self, part: &str) -> Self {
+        let context = format!("{part}: ");
+        Problems { path: self.path, overrides: self.overrides, context, list: BTreeSet::new() }
+    }
+
+    /// No mistakes yet, of the same file.
+    pub fn anew(&self) -> Self {
+        Problems::new(self.path, self.overrides)
     }
 
     /// Adds a mistake at a known place.
     pub fn at(&mut self, origin: Origin, text: String) {
         if !self.is_full() {
-            self.list.insert((origin, text));
+            self.list.insert((origin, format!("{}{text}", self.context)));
         }
     }
 

@@ -244,6 +244,12 @@ impl Node {
         }
     }
 
+    /// The part of a section under a key.
+    pub fn get(&self, key: &str) -> Option<&Node> {
+        let Data::Map(entries) = &self.data else { return None };
+        entries.iter().find(|entry| entry.key == key).map(|entry| &entry.node)
+    }
+
     /// The same without places; a number that is not finite becomes null.
     pub fn to_json(&self) -> serde_json::Value {
         use serde_json::Value as Json;

@@ -246,6 +246,20 @@ impl InterfaceLaw for BenzeggaghKenane {
         (history / self.critical()).min(1.0)
     }
 
+    fn history_of_damage(&self, damage: f64) -> Option<f64> {
+        Some(damage * self.critical())
+    }
+
+    fn part_of_reach(&self, jump: Local, history: f64) -> Option<f64> {
+        let (potential, critical) = (self.potential(), self.critical());
+        if history >= critical {
+            return Some(0.0);
+        }
+        let opened = self.scaled(jump);
+        let reach = || potential.reach(history, &potential.mode_of(opened));
+        (history >= SMALLEST_JUMP * critical).then(|| opened[0].hypot(opened[1]) / reach())
+    }
+
     /// What pure opening dissipates; see [`InterfaceLaw::dissipated_after`] for other modes.
     fn dissipated(&self, history: f64) -> f64 {
         self.fracture_energy * self.damage(history)

@@ -72,6 +72,11 @@ impl Envelope for Bilinear {
         ((jump / self.critical_jump() - first) / (1.0 - first)).max(0.0)
     }
 
+    fn jump_of_part(&self, part: f64) -> f64 {
+        let first = self.elastic_part();
+        (first + part * (1.0 - first)) * self.critical_jump()
+    }
+
     fn coefficient_of_friction(&self) -> f64 {
         self.friction
     }

@@ -66,6 +66,21 @@ impl Envelope for ExponentialSoftening {
         -(-x).exp_m1() - 0.5 * x * (-x).exp()
     }
 
+    /// Newton's method for $x - \ln(1 + x/2) = -\ln(1 - D)$ with x the jump over L, from the right,
+    /// where the convex function is positive: it only falls.
+    fn jump_of_part(&self, part: f64) -> f64 {
+        let wanted = -(-part).ln_1p();
+        let mut x = 2.0 * wanted;
+        for _ in 0..60 {
+            let step = (x - (0.5 * x).ln_1p() - wanted) * (2.0 + x) / (1.0 + x);
+            x -= step;
+            if step <= f64::EPSILON * x {
+                break;
+            }
+        }
+        x * self.length()
+    }
+
     fn coefficient_of_friction(&self) -> f64 {
         self.friction
     }

@@ -63,6 +63,10 @@ impl Envelope for LinearSoftening {
         jump / self.critical_jump()
     }
 
+    fn jump_of_part(&self, part: f64) -> f64 {
+        part * self.critical_jump()
+    }
+
     fn coefficient_of_friction(&self) -> f64 {
         self.friction
     }

@@ -194,6 +194,18 @@ pub trait InterfaceLaw {
     /// Damage in [0, 1] at this history.
     fn damage(&self, history: f64) -> f64;
 
+    /// The history at which [`InterfaceLaw::damage`] is this much, of [0, 1], m; none where the law
+    /// knows no damage.
+    fn history_of_damage(&self, _damage: f64) -> Option<f64> {
+        None
+    }
+
+    /// How much of the jump up to which a damaged point unloads to the origin this jump is, 0 where
+    /// nothing is left to give way; none where nothing is damaged and the strength is what counts.
+    fn part_of_reach(&self, _jump: Local, _history: f64) -> Option<f64> {
+        None
+    }
+
     /// Energy dissipated per area up to this history, J/m2.
     fn dissipated(&self, history: f64) -> f64;
 

@@ -26,6 +26,9 @@ pub trait Envelope {
     /// critical one.
     fn dissipated_part(&self, jump: f64) -> f64;
 
+    /// The largest jump at which the dissipated part is this much, above 0 and below 1.
+    fn jump_of_part(&self, part: f64) -> f64;
+
     /// Coefficient of friction on the broken part of closed lips.
     fn coefficient_of_friction(&self) -> f64;
 
@@ -133,6 +136,24 @@ impl<E: Envelope> InterfaceLaw for E {
     /// The dissipated part of the energy of full rupture.
     fn damage(&self, history: f64) -> f64 {
         if history >= self.critical_jump() { 1.0 } else { self.dissipated_part(history) }
+    }
+
+    fn history_of_damage(&self, damage: f64) -> Option<f64> {
+        let critical = self.critical_jump();
+        Some(match damage {
+            d if d <= 0.0 => 0.0,
+            d if d >= 1.0 => critical,
+            d => self.jump_of_part(d).min(critical),
+        })
+    }
+
+    fn part_of_reach(&self, jump: Local, history: f64) -> Option<f64> {
+        let critical = self.critical_jump();
+        if history >= critical {
+            return Some(0.0);
+        }
+        let is_damaged = history > self.elastic_jump().max(SMALLEST_JUMP * critical);
+        is_damaged.then(|| norm([jump[0].max(0.0), jump[1], jump[2]]) / history)
     }
 
     fn dissipated(&self, history: f64) -> f64 {

@@ -340,6 +340,34 @@ pub fn rupture_takes_the_fracture_energy<L: Samples>() {
     }
 }
 
+/// A point that starts with some damage answers as one that has been loaded to it and unloaded.
+pub fn damage_at_the_start_is_that_of_loading<L: Samples>() {
+    for law in L::samples() {
+        let Some(broken) = law.history_of_damage(1.0) else {
+            assert_eq!(law.damage(f64::MAX), 0.0);
+            continue;
+        };
+        assert_eq!((law.history_of_damage(0.0), law.damage(broken)), (Some(0.0), 1.0));
+        assert!(!law.holds_opening(broken) && law.part_of_reach([1.0; 3], broken) == Some(0.0));
+        let r = law.augmentation(STIFFNESS);
+        for (way, part) in [[1.0, 0.0, 0.0], [0.6, 0.0, -0.8], [0.0, 1.0, 0.0]]
+            .into_iter()
+            .flat_map(|way| [1e-6, 0.02, 0.1, 0.5, 0.9].map(|part| (way, part)))
+        {
+            let size = part * law.rupture(way).map_or(0.0, |(scale, _)| scale);
+            let [full, half] = [1.0, 0.5].map(|part| way.map(|x| part * size * x));
+            let loaded = respond_to_jump(&law, r, full, 0.0, 3).unwrap().history;
+            let given = law.history_of_damage(law.damage(loaded)).unwrap();
+            let [one, two] =
+                [loaded, given].map(|h| respond_to_jump(&law, r, half, h, 3).unwrap().traction);
+            let strength = law.strength().unwrap_or(0.0);
+            (0..3).for_each(|i| assert!(within(one[i], two[i], 1e-9 * strength)));
+            let reached = law.part_of_reach(half, loaded);
+            assert!(reached.map_or(law.damage(loaded) == 0.0, |part| within(part, 0.5, 1e-9)));
+        }
+    }
+}
+
 /// One test per property, for the law given.
 macro_rules! conformance {
     ($law:ty; $($property:ident)+) => {
@@ -362,6 +390,7 @@ macro_rules! conformance {
             answer_does_not_depend_on_the_augmentation
             energy_balances_along_random_paths
             rupture_takes_the_fracture_energy
+            damage_at_the_start_is_that_of_loading
         }
     };
 }

@@ -297,7 +297,8 @@ impl Prover<'_> {
         all.add_tractions(traction, &mut on_lips);
         force.iter_mut().zip(&on_lips).for_each(|(force, on_lips)| *force += on_lips);
         let at = |node: usize, c: usize| force[node * dim + c];
-        let supports = reactions(all, &self.surfaces, at);
+        let of_support = |node: usize, c: usize| all.prescribed[node][c].then(|| at(node, c));
+        let supports = reactions(all, &self.surfaces, of_support);
         let mut sums = [vec![0.0, energy], supports.into_flattened()].concat();
         for node in 0..all.nodes.owned {
             let free = (0..dim).filter(|c| !all.prescribed[node][*c]);

@@ -19,15 +19,20 @@ pub struct Situation {
     pub goes_on: bool,
     /// Whether the command line or the environment has options for PETSc.
     pub has_options: bool,
+    /// Whether the case has stages.
+    pub has_stages: bool,
 }
 
 /// Why no smaller model is tried, in words; none if one is. Local.
 pub fn refusal(case: &Case, situation: Situation) -> Option<String> {
-    let Situation { unknowns, goes_on, has_options } = situation;
+    let Situation { unknowns, goes_on, has_options, has_stages } = situation;
     let solver = &case.solver;
     let says = |text: &str| Some(text.to_owned());
     if case.reduce == Reduce::Never {
         return says("reduce: never");
+    }
+    if has_stages {
+        return says("the case has stages");
     }
     if unknowns < FEWEST_UNKNOWNS {
         return says("the model is small as it is");
@@ -47,6 +52,9 @@ pub fn refusal(case: &Case, situation: Situation) -> Option<String> {
     if case.has_pressure() {
         return says("a pore pressure acts");
     }
+    if case.initial_stress.is_some() {
+        return says("stresses are there at the start");
+    }
     if let Some(interface) = case.interfaces.iter().find(|i| i.has_friction()) {
         return Some(format!("{} slides with friction", interface.name));
     }
@@ -56,6 +64,9 @@ pub fn refusal(case: &Case, situation: Situation) -> Option<String> {
     if let Some(imperfection) = case.imperfections.first() {
         let name = &case.interfaces[imperfection.interface].name;
         return Some(format!("{name} has an imperfection"));
+    }
+    if let Some(interface) = case.interfaces.iter().find(|i| i.initial.gap.is_some()) {
+        return Some(format!("{} has a gap at the start", interface.name));
     }
     if let Some(material) = case.materials.iter().find(|m| case.has_mean_dilatation(m)) {
         return Some(format!("no bound is known for the B-bar cells of {}", material.name));
@@ -77,6 +88,12 @@ fn varying(case: &Case) -> Option<String> {
     }
     if case.body_force.iter().any(Value::varies_in_space) {
         return Some("the body force".into());
+    }
+    let cracked = |i: &&crate::case::InterfaceSpec| {
+        i.initial.damage.as_ref().is_some_and(Value::varies_in_space)
+    };
+    if let Some(interface) = case.interfaces.iter().find(cracked) {
+        return Some(format!("the damage of {} at the start", interface.name));
     }
     let fluid = |i: &&crate::case::InterfaceSpec| {
         i.fluid_pressure.as_ref().is_some_and(Value::varies_in_space)
@@ -115,7 +132,8 @@ mod tests {
 
     #[test]
     fn reasons_are_told_in_words() {
-        let situation = Situation { unknowns: 5000, goes_on: false, has_options: false };
+        let situation =
+            Situation { unknowns: 5000, goes_on: false, has_options: false, has_stages: false };
         assert_eq!(refusal(&case("", &[]), situation), None);
         let imperfection = "initial: {imperfection: [{interface: joint, factor: 0.9}]}";
         for (case, situation, words) in [
@@ -123,6 +141,7 @@ mod tests {
             (case("", &[]), Situation { unknowns: 100, ..situation }, "small"),
             (case("", &[]), Situation { goes_on: true, ..situation }, "checkpoint"),
             (case("", &[]), Situation { has_options: true, ..situation }, "PETSc"),
+            (case("", &[]), Situation { has_stages: true, ..situation }, "stages"),
             (case("", &["solver.linear=gamg"]), situation, "solver names"),
             (case("", &["solver.petsc_options=-ksp_monitor"]), situation, "PETSc"),
             (case("", &["solver.stability=warn"]), situation, "solver.stability"),
@@ -138,6 +157,22 @@ mod tests {
                 "the displacement of top varies in space",
             ),
             (case("", &["body_force.z={formula: z}"]), situation, "the body force varies"),
+            (
+                case("", &["interfaces.0.initial.damage={formula: x < 0.5}"]),
+                situation,
+                "the damage of joint at the start varies in space",
+            ),
+            (
+                case(
+                    "",
+                    &[
+                        "interfaces.0.initial={damage: 1, gap: 1.0e-4}",
+                        "boundary.1.displacement={x: 0, y: 0, z: 1.0e-3}",
+                    ],
+                ),
+                situation,
+                "joint has a gap at the start",
+            ),
         ] {
             let found = refusal(&case, situation).unwrap_or_default();
             assert!(found.contains(words), "{found}: {words}");
@@ -146,7 +181,8 @@ mod tests {
 
     #[test]
     fn a_load_that_is_the_same_everywhere_does_not_vary() {
-        let situation = Situation { unknowns: 5000, goes_on: false, has_options: false };
+        let situation =
+            Situation { unknowns: 5000, goes_on: false, has_options: false, has_stages: false };
         let case = case("", &["boundary.1.displacement.z={formula: 1e-3*t}", "body_force.z=2"]);
         assert_eq!(refusal(&case, situation), None);
         assert_eq!(loads_at(&case, 1.0), [0.0, 0.0, 2.0, 0.0, 0.0, 0.0]);

@@ -4,14 +4,14 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::resources::disk;
-use crate::bulk::Loads;
+use crate::bulk::{InitialStress, Loads};
 use crate::case::{self, Case, read_text};
 use crate::error::{Error, Result};
 use crate::interface::{Sides, unresolved_zones};
 use crate::mesh::{LocalMesh, MeshFamily};
 use crate::reduce::{NONE_OF_USE, Situation, candidates_in, refusal};
 use crate::solve::model::memory::{memory, pressures};
-use crate::solve::{self, LinearChoice, check_fit, strength_factors};
+use crate::solve::{self, LinearChoice, check_fit, starts, strength_factors};
 use crate::space::{AtNode, Prescribed, PrescribedPressure, check_directions};
 
 /// Largest column that the check walks through node by node.
@@ -42,7 +42,15 @@ pub fn describe(case: &Case) -> Result<String> {
     let choice = LinearChoice::new(case, &facts)?;
     let sides = Sides::choose(case, &facts);
     if facts.nodes <= MOST_NODES {
-        on_whole_mesh(case, &family.whole()?, &sides)?;
+        let mesh = family.whole()?;
+        for (number, stage) in case.in_stages().into_iter().enumerate() {
+            on_whole_mesh(stage, &mesh, &sides).map_err(|error| match error {
+                Error::Input(text) if number > 0 => {
+                    Error::Input(format!("stages.{number}: {text}"))
+                }
+                other => other,
+            })?;
+        }
     }
     let bytes = memory(choice.preset, case, &facts, 1);
     let mut text = format!("{}\n", case.title);
@@ -60,7 +68,11 @@ pub fn describe(case: &Case) -> Result<String> {
         let (name, law) = (&interface.name, interface.law.name());
         line(
             "interface",
-            format!("{name} {}: {law}, multipliers on the {secondary} side", interface.place()),
+            format!(
+                "{name} {}: {law}{}, multipliers on the {secondary} side",
+                interface.place(),
+                interface.start_words()
+            ),
         )?;
     }
     for words in unresolved_zones(case, &facts, &sides) {
@@ -71,6 +83,10 @@ pub fn describe(case: &Case) -> Result<String> {
     line("memory", format!("about {:.2} GB on one rank", bytes / 1e9))?;
     line("disk", format!("about {:.3} GB", disk(case, &facts) / 1e9))?;
     line("instants", format!("{}", case.time.len()))?;
+    if !case.stages.is_empty() {
+        let ends: Vec<String> = case.stages.iter().map(|stage| stage.until.to_string()).collect();
+        line("stages", format!("{}, until {}", ends.len(), ends.join(", ")))?;
+    }
     line("output", format!("{}", case.output.directory.display()))?;
     text.push_str("the case is right\n");
     Ok(text)
@@ -87,6 +103,7 @@ fn on_whole_mesh(case: &Case, mesh: &LocalMesh, sides: &[Sides]) -> Result<()> {
     });
     checked.map_err(|AtNode(_, error)| error)?;
     Loads::new(case, mesh).check(&times)?;
+    InitialStress::new(case, mesh)?;
     check_fit(case, mesh, sides, &prescribed)?;
     if case.has_pressure() {
         let corners = mesh.corners();
@@ -95,17 +112,21 @@ fn on_whole_mesh(case: &Case, mesh: &LocalMesh, sides: &[Sides]) -> Result<()> {
         Loads::inflow(case, &corners).check(&times)?;
         Loads::injection(case, &corners).check(&times)?;
     }
-    let secondary = sides.iter().flat_map(|side| {
-        let own = mesh.nodes.iter().filter(|(_, _, marks)| side.is_secondary(marks));
-        own.map(|(name, point, _)| (side.interface, name, point))
-    });
-    strength_factors(case, secondary).map_err(|AtNode(_, error)| error)?;
-    Ok(())
+    let secondary = || {
+        sides.iter().flat_map(|side| {
+            let own = mesh.nodes.iter().filter(|(_, _, marks)| side.is_secondary(marks));
+            own.map(|(name, point, _)| (side.interface, name, point))
+        })
+    };
+    let factors = strength_factors(case, secondary()).map(|_| ());
+    let checked = factors.and_then(|()| starts(case, secondary()).map(|_| ()));
+    checked.map_err(|AtNode(_, error)| error)
 }
 
 /// Whether a run would try a smaller model, in words.
 fn reduction(case: &Case, family: &MeshFamily, unknowns: u64) -> String {
-    let situation = Situation { unknowns, goes_on: false, has_options: false };
+    let has_stages = !case.stages.is_empty();
+    let situation = Situation { unknowns, goes_on: false, has_options: false, has_stages };
     if let Some(why) = refusal(case, situation) {
         return format!("no: {why}");
     }

@@ -96,6 +96,7 @@ impl Keeper {
             nodes: all.nodes.total,
             secondary: comm.sum_u64(all.owned_secondary() as u64),
             mesh: digest(case, model),
+            stage: model.stepper.stage,
             step: state.step,
             accepted: progress.accepted,
             counts: progress.counts,
@@ -221,10 +222,9 @@ impl Restart {
         }
         let all = &model.stepper.problem.all;
         let secondary = comm.sum_u64(all.owned_secondary() as u64);
-        let dim = all.dim;
         let fields = if (state.nodes, state.secondary) == (all.nodes.total, secondary) {
-            let pores = if model.stepper.coupling.is_some() { 2 } else { 0 };
-            opened.fields(comm, all.nodes.total, secondary, [2 * dim + pores, INTERFACE_WIDTH])
+            let widths = [model.stepper.nodal_width(), INTERFACE_WIDTH];
+            opened.fields(comm, all.nodes.total, secondary, widths)
         } else {
             Err(Error::Input(format!(
                 "cannot go on from {}: it is of a mesh with {} nodes, {} on interfaces, not {} and {}",
@@ -237,7 +237,7 @@ impl Restart {
         };
         match fields {
             Ok([nodal, interface]) => {
-                model.stepper.resume(state.step.clone(), &nodal, &interface)?;
+                model.resume(case, state.step.clone(), &nodal, &interface)?;
                 tracing::info!(
                     "restart    from {} at time {}, written by {}",
                     path.display(),
@@ -248,8 +248,16 @@ impl Restart {
             }
             Err(error) if older.is_empty() => Err(error),
             Err(error) => {
+                let next = Self::next(comm, older, case)?;
+                if next.state.stage != model.stepper.stage {
+                    let file = next.path.display();
+                    return Err(Error::Input(format!(
+                        "{error}; the one before it is of an earlier stage: go on from it with \
+                         --restart {file}"
+                    )));
+                }
                 tracing::warn!("warning: {error}; the checkpoint before it is taken");
-                Self::next(comm, older, case)?.resume(comm, case, model)
+                next.resume(comm, case, model)
             }
         }
     }

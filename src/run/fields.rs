@@ -13,7 +13,7 @@ use crate::fault;
 use crate::output::publisher::Publisher;
 use crate::output::series::{Fixed, Instant, Series};
 use crate::output::vtkhdf::{Array, Data, Grid, Values};
-use crate::solve::Model;
+use crate::solve::{Model, Problem};
 
 /// Writes the fields of every wanted instant.
 pub struct FieldWriter {
@@ -118,20 +118,14 @@ impl FieldWriter {
         let mesh = self.mesh.get_or_insert_with(|| BulkMesh::new(comm, case, model));
         let mut displacement = vec![0.0; 3 * all.nodes.owned];
         let all_displacements = all.frames.displacements(&problem.displacement);
-        let nodal = all_displacements.chunks_exact(dim);
+        let since_start = problem.displacement_since_start();
+        let since_start = all.frames.displacements(&since_start);
+        let nodal = since_start.chunks_exact(dim);
         for (out, u) in displacement.chunks_exact_mut(3).zip(nodal) {
             axes.iter().zip(u).for_each(|(axis, u)| out[*axis] = *u);
         }
         fault::strike_values(comm, "fields", &mut displacement)?;
-        let mut stress = Vec::with_capacity(6 * all.cells.len());
-        let mut u = Vec::new();
-        for cell in 0..all.cells.len() {
-            u.clear();
-            for node in all.cells.nodes(cell) {
-                u.extend_from_slice(&all_displacements[*node as usize * dim..][..dim]);
-            }
-            stress.extend(all.cells.stress(cell, &u));
-        }
+        let stress = stresses(problem, &all_displacements);
         let grid =
             Grid { points: &mesh.points, connectivity: &mesh.connectivity, shapes: &mesh.shapes };
         let array = |name, components, values| Array { name, components, values };
@@ -167,6 +161,27 @@ impl FieldWriter {
     }
 }
 
+/// The stress at the centre of each cell (Pa) under displacements along the axes (m), with that of
+/// the start and those that stay from earlier stages. Local.
+fn stresses(problem: &Problem<'_>, displacements: &[f64]) -> Vec<f64> {
+    let (all, dim) = (&problem.all, problem.all.dim);
+    let mut stress = Vec::with_capacity(6 * all.cells.len());
+    let mut u = Vec::new();
+    for cell in 0..all.cells.len() {
+        u.clear();
+        for node in all.cells.nodes(cell) {
+            u.extend_from_slice(&displacements[*node as usize * dim..][..dim]);
+        }
+        stress.extend(all.cells.stress(cell, &u));
+    }
+    let of_start = problem.initial_stress.iter().map(|stress| &stress.at_centres);
+    let of_stages = problem.prestress.iter().map(|prestress| &prestress.stress);
+    for before in of_start.chain(of_stages) {
+        stress.iter_mut().zip(before.as_flattened()).for_each(|(sum, before)| *sum += before);
+    }
+    stress
+}
+
 /// What the points of an interface have at all times.
 struct InterfacePoints {
     names: Vec<i64>,
@@ -187,7 +202,8 @@ impl InterfacePoints {
         let all = &model.stepper.problem.all;
         let normal = |n: &u32| in_space(values.normal(model, *n), case.axes);
         let is_of_file = case.mesh.file().is_some();
-        let has_gap = case.interfaces[interface].has_gap;
+        let of = &case.interfaces[interface];
+        let has_gap = of.has_gap || of.initial.gap.is_some();
         Self {
             names: nodes.iter().map(|n| all.nodes.names[*n as usize] as i64).collect(),
             normals: is_of_file.then(|| nodes.iter().flat_map(normal).collect()),

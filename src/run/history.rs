@@ -24,7 +24,7 @@ pub fn row(
     let mut row = vec![Some(time), Some(factor), counts[0], counts[1]];
     debug_assert_eq!(row.len(), FIRST_OF_INTERFACES);
     row.extend(interface_statistics(case, model, comm));
-    let force = |node: usize, c: usize| problem.balance[node * case.dim + c];
+    let force = |node: usize, c: usize| problem.support_force(node, c);
     let surfaces = case.supported_bits();
     let mut sums = reactions(&problem.all, &surfaces, force);
     comm.sum(sums.as_flattened_mut());
@@ -230,7 +230,7 @@ fn nodal_statistics(case: &Case, model: &Model<'_>) -> Vec<Vec<Statistic>> {
         for (statistic, quantity) in own {
             let seen = match *quantity {
                 InterfaceQuantity::Traction(c) => of_component(response.bulk_traction, c),
-                InterfaceQuantity::Jump(c) => of_component(response.jump, c),
+                InterfaceQuantity::Jump(c) => of_component(state.jump_since_start(index), c),
                 InterfaceQuantity::Damage => rows.has_multiplier().then(|| {
                     let law = state.laws[rows.interface].spec.law();
                     (law.damage(response.history), rows.law_weight(case.dim))

@@ -159,7 +159,10 @@ impl NodalValues {
 
     /// The jump at an owned node by component (m), 0 where there is no multiplier. Local.
     pub fn jump(&self, model: &Model<'_>, node: u32) -> [f64; 3] {
-        let jump = self.response(model, node).map_or([0.0; 3], |response| response.jump);
+        let problem = &model.stepper.problem;
+        let index = problem.all.secondary_of[node as usize].map(|index| index as usize);
+        let index = index.filter(|index| *index < problem.interfaces.response.len());
+        let jump = index.map_or([0.0; 3], |index| problem.interfaces.jump_since_start(index));
         if !self.is_framed {
             return jump;
         }

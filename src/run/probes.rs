@@ -67,7 +67,8 @@ impl LocatedProbe {
     /// Displacement by component (m). Local.
     pub fn displacement(&self, problem: &Problem<'_>) -> [f64; 3] {
         let (all, dim) = (&problem.all, problem.all.dim);
-        let displacement = all.frames.displacements(&problem.displacement);
+        let since_start = problem.displacement_since_start();
+        let displacement = all.frames.displacements(&since_start);
         let mut u = [0.0; 3];
         for (name, n) in self.nodes.iter().zip(&self.values) {
             let node = all.nodes.local(*name).expect("a node of the rank's own cell") as usize;

@@ -33,6 +33,9 @@ pub struct RunState {
     /// The digest of the mesh, where it is that of a file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mesh: Option<String>,
+    /// Stages of the case before that of the state.
+    #[serde(default)]
+    pub stage: usize,
     /// The solution.
     pub step: StepState,
     /// Instants that were accepted.
@@ -73,8 +76,10 @@ impl RunState {
     fn check(&self) -> std::result::Result<(), String> {
         let (rows, columns) = (&self.history.rows, self.history.columns.len());
         let count = rows.len();
-        if count != self.accepted
-            || self.residual_norms.len() != count
+        // With stresses at the start there is a row of it.
+        let instants = count.checked_sub(usize::from(self.step.has_begun && count > self.accepted));
+        if instants != Some(self.accepted)
+            || self.residual_norms.len() != self.accepted
             || rows
                 .iter()
                 .any(|row| row.len() != columns || row.first().is_none_or(Option::is_none))

@@ -150,10 +150,11 @@ pub fn describe(comm: &Comm, case: &Case, model: &Model<'_>, reduction: &Reducti
     for (interface, side) in case.interfaces.iter().zip(&model.sides) {
         let secondary = side.secondary.name();
         tracing::info!(
-            "interface  {} {}: {}, multipliers on the {secondary} side",
+            "interface  {} {}: {}{}, multipliers on the {secondary} side",
             interface.name,
             interface.place(),
-            interface.law.name()
+            interface.law.name(),
+            interface.start_words()
         );
     }
     tracing::info!("reduced    {}", reduction.words());

@@ -11,10 +11,12 @@ mod stepping;
 mod levels;
 mod setup;
 mod state;
+mod handover;
 
 pub use flow::{Coupling, Flow, FluidBalance};
+pub use handover::Handover;
 pub use model::{BoundaryValueProblem, InterfaceState, LinearChoice, MULTIGRID, NodeResponse};
-pub use model::{check_fit, divides, family, strength_factors};
+pub use model::{check_fit, divides, family, starts, strength_factors};
 pub use problem::{Energy, KnownPressure, Problem, reactions};
 pub use setup::{Model, build};
 pub use stability::{Instability, Stability};

@@ -11,8 +11,8 @@ use super::model::interfaces::{InterfaceState, JointLaw};
 use super::model::linear::{AGGREGATION, LinearChoice, LinearTarget, MULTIGRID};
 use super::model::near_null_space::rigid_motions;
 use super::model::{
-    BoundaryValueProblem, NodeData, discretize, gaps, gaps_in_words, has_lost_facets,
-    strength_factors,
+    BoundaryValueProblem, NodeData, discretize, gaps, gaps_in_words, has_lost_facets, places,
+    starts, strength_factors,
 };
 use super::problem::block_tangent::BlockTangent;
 use super::problem::convergence::Convergence;
@@ -61,7 +61,8 @@ pub fn build<'a>(
     coarser: Vec<LocalMesh>,
 ) -> Result<Model<'a>> {
     let comm = &runtime.comm;
-    let BoundaryValueProblem { mesh, all, sides, supports, loads, mut remarks } = problem;
+    let BoundaryValueProblem { mesh, all, sides, supports, loads, initial_stress, mut remarks } =
+        problem;
     let (dim, unknowns) = (case.dim, all.nodes.total * case.dim as u64);
     let (interfaces, of_gaps) = interfaces(comm, case, &mesh, &sides, &all)?;
     remarks.extend(of_gaps);
@@ -74,7 +75,7 @@ pub fn build<'a>(
     let system = system(runtime, case, &choice, &all, levels)?;
     let System { snes, form, diagonal, saddle, rows } = system;
     let known_pressure = known_pressure(comm, case, &mesh, &all)?;
-    let of = Displacements { mesh: &mesh, all: &all, sides: &sides };
+    let of = Displacements { mesh: &mesh, all: &all, sides: &sides, gaps: &interfaces.gaps };
     let (snes, mut x, mut coupling) = match &case.flow {
         Some(flow) => {
             let tangent = match &form {
@@ -104,7 +105,7 @@ pub fn build<'a>(
         linear: LinearTarget::new(tolerance),
         mesh: mesh.facts.clone(),
     });
-    problem.known_pressure = known_pressure;
+    (problem.known_pressure, problem.initial_stress) = (known_pressure, initial_stress);
     problem.path = case.control.as_ref().map(|control| path(case, control));
     let mut stepper = Stepper::new(case, problem, snes, saddle, coupling, x, supports);
     stepper.remarks = remarks;
@@ -125,7 +126,10 @@ fn begin_flow(comm: &Comm, all: &Discretization, flow: &mut Flow, x: &mut Vector
     Ok(())
 }
 
-/// The undamaged, unloaded interfaces, and what is to be said of their gaps. Collective.
+/// The unloaded interfaces, and what is to be said of their gaps. Collective.
+///
+/// # Errors
+/// `Input` where a formula gives what cannot be.
 fn interfaces(
     comm: &Comm,
     case: &Case,
@@ -133,15 +137,15 @@ fn interfaces(
     sides: &[Sides],
     all: &Discretization,
 ) -> Result<(InterfaceState, Vec<String>)> {
-    let owned = all.secondary[..all.owned_secondary()].iter();
-    let places = owned.map(|rows| {
-        let node = rows.node as usize;
-        (rows.interface, all.nodes.names[node], all.nodes.points[node])
-    });
-    let factors = AtNode::agree(comm, strength_factors(case, places))?;
-    let (gaps, mut words) = gaps(comm, case, mesh, sides, all);
+    let factors = AtNode::agree(comm, strength_factors(case, places(all)))?;
+    let starts = AtNode::agree(comm, starts(case, places(all)))?;
+    let (mut gaps, mut words) = gaps(comm, case, mesh, sides, all);
+    for ((gap, rows), start) in gaps.iter_mut().zip(&all.secondary).zip(&starts) {
+        *gap += if rows.rows[all.dim - 1].is_some() { start.gap } else { 0.0 };
+    }
     words.extend(gaps_in_words(comm, case, all, &gaps));
-    let nodes = NodeData { factors, gaps };
+    let damages = starts.iter().map(|start| start.damage).collect();
+    let nodes = NodeData { factors, gaps, damages };
     let mut state = InterfaceState::new(all, joint_laws(case, mesh, sides), nodes);
     state.is_gradual = case.interfaces.iter().any(|i| i.film.is_some());
     Ok((state, words))

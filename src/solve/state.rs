@@ -17,10 +17,17 @@ pub const INTERFACE_WIDTH: usize = 6;
 pub struct State {
     /// Displacement components per node.
     dim: usize,
+    /// Whether there are columns of the pressure.
+    has_pressure: bool,
+    /// Whether there is a displacement from which results count.
+    has_origin: bool,
     /// What is not a field.
     pub step: StepState,
     /// By node: displacement (m), then the force of supports and loads (N), by component; with flow
-    /// the pore pressure (Pa) and its rate in the last step (Pa/s), 0 where there is none.
+    /// the pore pressure (Pa) and its rate in the last step (Pa/s), 0 where there is none; with
+    /// stresses at the start the displacement from which results count (m). In a later stage, by
+    /// component, reactions that are released and by how much loads jump at its start (N), and the
+    /// displacements at the start of each stage but the first (m).
     pub nodal: Rows,
     /// By secondary node: history (m), energy dissipated per area (J/m2), sliding by tangential
     /// component (m), its path (m), and the work of friction (J).
@@ -38,11 +45,17 @@ impl State {
             let name = columns.into_iter().nth(at % rows.width)?;
             Some((name, rows.names[at / rows.width], rows.values[at]))
         };
+        let of_pressure = usize::from(self.has_pressure);
+        let of_origin = if self.has_origin { self.dim } else { 0 };
         let nodal = [
             ("displacement", self.dim),
             ("force of supports and loads", self.dim),
-            ("pressure", 1),
-            ("rate of the pressure", 1),
+            ("pressure", of_pressure),
+            ("rate of the pressure", of_pressure),
+            ("displacement at the start", of_origin),
+            ("released reaction", self.dim),
+            ("jump of the loads", self.dim),
+            ("displacement at the start of a stage", self.nodal.width),
         ];
         find(&self.nodal, &nodal).or_else(|| {
             let interface = [
@@ -92,7 +105,21 @@ impl Stepper<'_> {
     /// `System` when PETSc fails.
     pub fn state(&self) -> Result<State> {
         let (nodal, interface) = (self.nodal_rows(), self.interface_rows());
-        Ok(State { dim: self.problem.all.dim, step: self.step_state(), nodal, interface })
+        let (dim, has_pressure) = (self.problem.all.dim, self.coupling.is_some());
+        let (has_origin, step) = (self.problem.initial_stress.is_some(), self.step_state());
+        Ok(State { dim, has_pressure, has_origin, step, nodal, interface })
+    }
+
+    /// Numbers of a row of [`State::nodal`]. Local.
+    pub fn nodal_width(&self) -> usize {
+        let of_start = usize::from(self.problem.initial_stress.is_some());
+        let of_stages = if self.stage > 0 { 2 + self.stage } else { 0 };
+        self.before_origin() + (of_start + of_stages) * self.problem.all.dim
+    }
+
+    /// Numbers of such a row before the displacement from which results count. Local.
+    fn before_origin(&self) -> usize {
+        2 * self.problem.all.dim + if self.coupling.is_some() { 2 } else { 0 }
     }
 
     /// [`State::nodal`] of the last accepted state. Collective.
@@ -106,14 +133,30 @@ impl Stepper<'_> {
             let rate = flow.pace.as_ref().and_then(|pace| pace.rate.as_ref()).unwrap_or(&none);
             [flow.at_corners(all, flow.accepted_pressure()), flow.at_corners(all, rate)]
         });
-        let width = 2 * dim + if pressure.is_some() { 2 } else { 0 };
+        let width = self.nodal_width();
+        let of_stages = self.of_stages();
+        // Before the equilibrium at the start is found there is no origin.
+        let mut origin = self.problem.origin.clone();
+        origin.resize(self.problem.initial_stress.as_ref().map_or(0, |of| of.force.len()), 0.0);
         let mut values = Vec::with_capacity(names.len() * width);
         let rows = self.work.displacement.chunks_exact(dim).zip(self.work.force.chunks_exact(dim));
         for (node, (displacement, force)) in rows.enumerate() {
             values.extend(displacement.iter().chain(force));
             values.extend(pressure.iter().flatten().map(|of| of[node]));
+            values.extend(origin.iter().skip(node * dim).take(dim));
+            values.extend(of_stages.iter().flat_map(|of| &of[node * dim..][..dim]));
         }
         Rows { width, names, values }
+    }
+
+    /// What of [`State::nodal`] a later stage has, each by owned unknown. Local.
+    fn of_stages(&self) -> Vec<&[f64]> {
+        let (Some(carried), Some(release)) = (&self.carried, &self.problem.release) else {
+            return Vec::new();
+        };
+        // What the jump is made of stands at the owners alone.
+        let owned = [&release.force[..], &carried.jump[..release.force.len()]];
+        owned.into_iter().chain(carried.starts.iter().map(|start| &start[..])).collect()
     }
 
     /// [`State::interface`] of the last accepted state. Local.
@@ -148,8 +191,10 @@ impl Stepper<'_> {
             time: self.time,
             step: self.step.is_finite().then_some(self.step),
             energy: [elastic, dissipated, external, friction],
+            elsewhere: self.work.elsewhere,
             fluid: self.fluid_state(),
             has_begun: self.has_begun,
+            elastic_at_start: self.work.elastic_at_start,
             ramp: self.grows_until(),
             remarks: self.remarks(),
             residual_norm: problem.residual_norm,
@@ -183,16 +228,10 @@ impl Stepper<'_> {
     /// # Errors
     /// `Input` when a secondary node has no row; `System` when PETSc fails.
     pub fn resume(&mut self, step: StepState, nodal: &Rows, interface: &Rows) -> Result<()> {
+        self.resume_nodal(nodal, step.has_begun)?;
         let problem = &mut self.problem;
-        let (comm, dim) = (problem.comm, problem.all.dim);
-        let total = problem.all.nodes.total;
-        let owned = problem.all.nodes.names[..problem.all.nodes.owned].to_vec();
+        let (comm, total) = (problem.comm, problem.all.nodes.total);
         let absent = || Error::Input("the checkpoint lacks a node of this mesh".into());
-        let rows = comm.from_slabs(total, nodal, &owned);
-        let rows: Option<Vec<Vec<f64>>> = rows.into_iter().collect();
-        let rows = comm.agree(rows.ok_or_else(absent))?;
-        self.work.displacement = rows.iter().flat_map(|row| &row[..dim]).copied().collect();
-        self.work.force = rows.iter().flat_map(|row| &row[dim..2 * dim]).copied().collect();
         let secondary: Vec<u64> = problem.all.secondary[..problem.all.owned_secondary()]
             .iter()
             .map(|rows| problem.all.nodes.names[rows.node as usize])
@@ -214,15 +253,17 @@ impl Stepper<'_> {
         if let (Some(path), Some(factor)) = (&mut problem.path, step.load_factor) {
             path.resume(factor);
         }
-        self.x.write()?[..self.work.displacement.len()].copy_from_slice(&self.work.displacement);
         self.has_begun |= step.has_begun;
         // Nothing acts on the undeformed state yet, whatever its pressures.
-        let acts = step.time > self.case.start || step.has_begun && self.starts_in_equilibrium();
+        let acts = step.time > self.case.start
+            || self.stage > 0
+            || step.has_begun && self.starts_in_equilibrium();
         self.resume_flow(nodal, step.fluid, acts)?;
         self.resume_load(step.time, step.fluid.work)?;
         let [elastic, dissipated, external, friction] = step.energy;
         self.energy = Energy { elastic, dissipated, external, friction, fluid: step.fluid.work };
         self.work.total = external;
+        (self.work.elsewhere, self.work.elastic_at_start) = (step.elsewhere, step.elastic_at_start);
         self.time = step.time;
         self.step = step.step.unwrap_or(f64::INFINITY);
         self.tries_smaller_steps = step.tries_smaller_steps;
@@ -240,12 +281,35 @@ impl Stepper<'_> {
         Ok(())
     }
 
+    /// Goes on from the displacements and forces among `nodal` rows in slabs, and where the run
+    /// `has_begun` from the origin of results. Collective.
+    fn resume_nodal(&mut self, nodal: &Rows, has_begun: bool) -> Result<()> {
+        let (place, problem) = (self.before_origin(), &mut self.problem);
+        let (comm, all) = (problem.comm, Rc::clone(&problem.all));
+        let dim = all.dim;
+        let rows = comm.from_slabs(all.nodes.total, nodal, &all.nodes.names[..all.nodes.owned]);
+        let rows: Option<Vec<Vec<f64>>> = rows.into_iter().collect();
+        let absent = || Error::Input("the checkpoint lacks a node of this mesh".into());
+        let rows = comm.agree(rows.ok_or_else(absent))?;
+        let columns = |from: usize| {
+            rows.iter().flat_map(move |row| &row[from..from + dim]).copied().collect()
+        };
+        self.work.displacement = columns(0);
+        self.work.force = columns(dim);
+        if has_begun && problem.initial_stress.is_some() {
+            problem.origin = columns(place);
+            problem.origin.resize(problem.displacement.len(), 0.0);
+            all.nodes.update_ghosts(&mut problem.origin, all.dim);
+            problem.interfaces.count_from(&all, &problem.origin);
+        }
+        self.x.write()?[..self.work.displacement.len()].copy_from_slice(&self.work.displacement);
+        Ok(())
+    }
+
     /// Finds the tractions of the state that `self.x` holds. Collective.
-    fn resume_tractions(&mut self) -> Result<()> {
-        let path = self.problem.path.as_ref();
-        let time = path.map_or(self.time, |path| path.load_time(self.time));
+    pub(super) fn resume_tractions(&mut self) -> Result<()> {
         let norm = self.problem.residual_norm;
-        self.set_load(time, self.part_at(time))?;
+        self.set_accepted_load()?;
         if let Some(Coupling { flow, .. }) = &self.coupling {
             let force = &mut self.problem.pore_force;
             force.clear();

@@ -122,6 +122,12 @@ const WRONG: &[Wrong] = &[
                positive finite numbers on the whole interface",
     },
     Wrong {
+        from: "900}}}",
+        to: "900}}, initial: {damage: {formula: \"2*x\"}}}",
+        says: "interfaces.0.initial.damage: it is 2 at (1, 0, 2.5) m; it must be between 0 and 1 on \
+               the whole interface",
+    },
+    Wrong {
         from: TABLE,
         to: "{formula: \"1e-4*t/(1-x)\"}",
         says: "boundary.1 (top): displacement.z is inf at (1, 0, 5) m at time 0.5; the formula \

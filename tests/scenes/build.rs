@@ -42,7 +42,8 @@ impl Scene {
             }
         };
         let sheared = self.support == Support::Clamped && self.shear != [0, 0];
-        strained || sheared || self.tilt != [0, 0] || self.aside != 0
+        let cracked = self.crack[0] != 0 && self.crack[1] != 0;
+        strained || sheared || self.tilt != [0, 0] || self.aside != 0 || cracked
     }
 
     pub fn build(&self) -> Built {
@@ -137,6 +138,8 @@ impl Scene {
                 secondary: None,
                 fluid: None,
                 imperfection: None,
+                damage: None,
+                gap: None,
             });
         }
         let (ends, path) = self.ends(stress, length);
@@ -147,6 +150,7 @@ impl Scene {
             joint.fluid = fits.then_some(fluid);
         }
         self.weaken(&mut joints, size);
+        self.crack(&mut joints, size, length);
         let boundary = self.boundary(flat, size, &path, length, stress);
         let initial_pressure = match self.pores {
             Pores::Flow(n) => 0.25 * f64::from(n) * stress,
@@ -154,13 +158,20 @@ impl Scene {
         };
         let weight = f64::from(self.weight) * stress / (8.0 * height);
         let tolerance = if self.default_tolerance { 1e-9 } else { 1e-11 };
-        let is_plain = self.control == Control::Loads && self.imperfection == [0, 0];
+        let known = |j: &Joint| j.damage.as_ref().is_none_or(|d| d.number().is_some());
+        let is_plain = self.control == Control::Loads
+            && self.imperfection == [0, 0]
+            && joints.iter().all(|j| known(j) && j.gap.is_none());
         let is_constant = !self.rising || pressures.iter().all(|p| *p == 0.0);
         let is_even = !self.uneven() && self.pores == Pores::None;
         let bars = (is_even && is_plain && is_constant).then(|| Bars {
             levels: levels.clone(),
             moduli: materials.iter().map(stiffness).collect(),
             laws: joints.iter().map(|j| j.law).collect(),
+            damages: joints
+                .iter()
+                .map(|j| j.damage.as_ref().and_then(Field::number).unwrap_or(0.0))
+                .collect(),
             pressures,
             force: weight,
             loaded: self.loaded,
@@ -221,6 +232,27 @@ impl Scene {
             factor.centre = size.map(|s| 0.5 * s);
             joint.imperfection = Some(factor);
         }
+    }
+
+    /// Damages the first interface that has a strength, and draws the lips of contacts apart, by
+    /// `crack`. One that is broken everywhere holds no body that is loaded, nor a second one.
+    fn crack(&self, joints: &mut [Joint], size: [f64; 3], length: f64) {
+        let [eighths, along, quarters] = self.crack;
+        let holds = |j: &Joint| !matches!(j.law, Law::Contact | Law::Tied);
+        let is_alone = !self.loaded && joints.iter().all(|j| j.law != Law::Contact);
+        let is_first = joints.iter().find(|j| holds(j));
+        let may_break =
+            is_alone && is_first.is_some_and(|j| !matches!(j.law, Law::Exponential { .. }));
+        if let Some(joint) = joints.iter_mut().find(|j| holds(j)).filter(|_| eighths != 0) {
+            let most = if may_break && self.control == Control::Loads { 8 } else { 7 };
+            let mut damage = Field::constant(f64::from(eighths.min(most)) / 8.0);
+            // In the middle it is what it is: somewhere it holds, unless it may break.
+            damage.tilt[0] = 3.0 * f64::from(along) / size[0];
+            damage.centre = size.map(|s| 0.5 * s);
+            joint.damage = Some(damage);
+        }
+        let contacts = joints.iter_mut().filter(|j| j.law == Law::Contact && quarters != 0);
+        contacts.for_each(|j| j.gap = Some(Field::constant(0.25 * f64::from(quarters) * length)));
     }
 
     /// The control of a path along which the first interface that softens breaks.

@@ -40,7 +40,7 @@ impl Field {
 
     fn yaml(&self) -> String {
         if self.tilt == [0.0; 3] {
-            if let [[_, value]] = self.path[..] {
+            if let Some(value) = self.number() {
                 return format!("{value:e}");
             }
             let points = self.path.iter().map(|[t, v]| format!("[{t:e}, {v:e}]"));
@@ -59,6 +59,23 @@ impl Field {
             let _ = write!(place, " + ({slope:e})*({} - {centre:e})", AXES[axis]);
         }
         format!("{{formula: \"({:e}{value})*({place})\"}}", self.path[0][1])
+    }
+
+    /// Its value, where it has no other.
+    pub fn number(&self) -> Option<f64> {
+        match self.path[..] {
+            [[_, value]] if self.tilt == [0.0; 3] => Some(value),
+            _ => None,
+        }
+    }
+
+    /// As a part of 1, cut off below 0 and above 1.
+    fn part(&self) -> String {
+        let yaml = self.yaml();
+        match yaml.strip_prefix("{formula: \"").and_then(|rest| rest.strip_suffix("\"}")) {
+            Some(formula) => format!("{{formula: \"min(max({formula}, 0), 1)\"}}"),
+            None => yaml,
+        }
     }
 }
 
@@ -152,6 +169,20 @@ pub struct Joint {
     pub fluid: Option<Fluid>,
     /// Factor of strength and energy.
     pub imperfection: Option<Field>,
+    /// At the start, cut off below 0 and above 1.
+    pub damage: Option<Field>,
+    /// At the start.
+    pub gap: Option<Field>,
+}
+
+impl Joint {
+    /// Of its state at the start.
+    fn initial(&self) -> String {
+        let damage = self.damage.iter().map(|of| format!("damage: {}", of.part()));
+        let gap = self.gap.iter().map(|of| format!("gap: {}", of.yaml()));
+        let all = damage.chain(gap).collect::<Vec<_>>().join(", ");
+        if all.is_empty() { all } else { format!(", initial: {{{all}}}") }
+    }
 }
 
 /// What a path is followed by, at an interface.
@@ -284,13 +315,14 @@ impl Case {
         if !self.joints.is_empty() {
             out.push_str("interfaces:\n");
         }
-        for Joint { name, z, law, secondary, fluid, .. } in &self.joints {
+        for joint @ Joint { name, z, law, secondary, fluid, .. } in &self.joints {
             let side = secondary.map_or(String::new(), |upper| {
                 format!(", secondary: {}", if upper { "upper" } else { "lower" })
             });
             let fluid = fluid.as_ref().map_or(String::new(), |f| format!(", fluid: {}", f.yaml()));
+            let (law, initial) = (law.yaml(), joint.initial());
             let _ =
-                writeln!(out, "  - {{name: {name}, z: {z:e}, law: {}{side}{fluid}}}", law.yaml());
+                writeln!(out, "  - {{name: {name}, z: {z:e}, law: {law}{side}{fluid}{initial}}}");
         }
         out.push_str("boundary:\n");
         for entry in &self.boundary {

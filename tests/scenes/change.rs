@@ -120,7 +120,10 @@ impl Change {
         for joint in &mut new.joints {
             joint.z = level(joint.z);
             joint.secondary = joint.secondary.map(|upper| upper != self.turned[2]);
-            joint.imperfection = joint.imperfection.as_ref().map(|f| self.field(f, 1.0, case.size));
+            let field = |f: &Field, factor: f64| self.field(f, factor, case.size);
+            joint.imperfection = joint.imperfection.as_ref().map(|f| field(f, 1.0));
+            joint.damage = joint.damage.as_ref().map(|f| field(f, 1.0));
+            joint.gap = joint.gap.as_ref().map(|f| field(f, length));
             joint.fluid = joint.fluid.as_ref().map(|fluid| match fluid {
                 Fluid::Known { pressure, connected } => {
                     Fluid::Known { pressure: pressure.scaled(stress), connected: *connected }

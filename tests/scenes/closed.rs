@@ -10,6 +10,8 @@ pub struct Bars {
     /// Stress over strain of each body.
     pub moduli: Vec<f64>,
     pub laws: Vec<Law>,
+    /// At the start.
+    pub damages: Vec<f64>,
     /// Of the fluid in each interface, constant.
     pub pressures: Vec<f64>,
     /// Along z, per volume.
@@ -60,6 +62,23 @@ impl Law {
         }
     }
 
+    /// The largest jump of a damage; broken, some more.
+    fn opened_to(&self, damage: f64) -> f64 {
+        let first = self.first();
+        let missing = |jump: f64| self.damage(jump) - damage;
+        match *self {
+            _ if damage == 0.0 => first,
+            Law::Linear { strength, energy }
+            | Law::Exponential { strength, energy }
+            | Law::Bilinear { strength, energy, .. }
+            | Law::Modes { strength: [strength, _], energy: [energy, _], .. } => {
+                let critical = 2.0 * energy / strength;
+                if damage == 1.0 { 1.001 * critical } else { root(missing, first, critical) }
+            }
+            Law::Tied | Law::Contact => first,
+        }
+    }
+
     /// Jump per traction on the way back to the origin.
     fn compliance(&self, jump: f64) -> f64 {
         let limit = self.limit(jump);
@@ -89,7 +108,8 @@ impl Bars {
     /// States of all instants up to the first that is not determined by this; and whether it came
     /// to the end.
     pub fn states(&self) -> (Vec<State>, bool) {
-        let mut largest: Vec<f64> = self.laws.iter().map(Law::first).collect();
+        let start = |(law, damage): (&Law, &f64)| law.opened_to(*damage);
+        let mut largest: Vec<f64> = self.laws.iter().zip(&self.damages).map(start).collect();
         let mut states = Vec::new();
         for (instant, end) in self.ends.iter().enumerate() {
             match self.state(&mut largest, *end, instant == 0) {

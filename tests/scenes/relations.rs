@@ -177,7 +177,8 @@ pub fn pair(relation: Relation, scene: &Scene, built: &Built) -> Option<Pair> {
             let mut tied = case.clone();
             let plain = |law: Law| !matches!(law, Law::Contact | Law::Tied | Law::Bilinear { .. });
             let any = case.joints.iter().any(|j| plain(j.law));
-            let all = case.joints.iter().all(|j| plain(j.law) || j.law == Law::Tied);
+            let holds = |j: &Joint| plain(j.law) && j.damage.is_none();
+            let all = case.joints.iter().all(|j| holds(j) || j.law == Law::Tied);
             let tie = |joint: &mut Joint| (joint.law, joint.imperfection) = (Law::Tied, None);
             tied.joints.iter_mut().for_each(tie);
             (any && all && case.control.is_none()).then(|| Pair::case(case, tied))

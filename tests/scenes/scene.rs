@@ -91,6 +91,9 @@ pub struct Scene {
     /// Twentieths by which the first interface is weaker, the same everywhere or along x.
     pub imperfection: [i32; 2],
     pub control: Control,
+    /// Eighths of the damage at the start of the first interface that has a strength, how steeply
+    /// it varies along x, and quarters of the load's displacement between the lips of contacts.
+    pub crack: [i32; 3],
 }
 
 /// Mostly 0, so that most of the scenes are of few parts.
@@ -169,14 +172,19 @@ pub fn scenes() -> impl Strategy<Value = Scene> {
         1 => Just(Control::Dissipation)
     ];
     let rare = |range: std::ops::RangeInclusive<i32>| prop_oneof![7 => Just(0), 1 => range];
-    let more = (any::<bool>(), film, [rare(1..=4), rare(-2..=2)], control);
+    // What came later is drawn last: the seeds keep their scenes.
+    let crack = prop_oneof![
+        6 => Just([0, 0, 0]),
+        1 => (1..=8_i32, seldom(-2..=2), seldom(1..=2)).prop_map(<[i32; 3]>::from)
+    ];
+    let more = (any::<bool>(), film, [rare(1..=4), rare(-2..=2)], control, crack);
     (shape, across, bodies(), support, drive, uneven, last, more).prop_map(
         |(shape, (cells, width), bodies, support, drive, uneven, last, more)| {
             let (solid, second_order, length, modulus) = shape;
             let (loaded, path, constant, gentle) = drive;
             let (shear, tilt, aside, weight) = uneven;
             let (pores, upright, wild, default_tolerance) = last;
-            let (rising, film, imperfection, control) = more;
+            let (rising, film, imperfection, control, crack) = more;
             Scene {
                 solid,
                 second_order,
@@ -202,6 +210,7 @@ pub fn scenes() -> impl Strategy<Value = Scene> {
                 film,
                 imperfection,
                 control,
+                crack,
             }
         },
     )
@@ -232,6 +241,9 @@ impl Scene {
         }
         if self.imperfection != [0, 0] {
             words.push(format!("imperfection {:?}", self.imperfection));
+        }
+        if self.crack != [0; 3] {
+            words.push(format!("crack {:?}", self.crack));
         }
         if self.control != Control::Loads {
             words.push(format!("{:?}", self.control).to_lowercase());

@@ -24,6 +24,12 @@ pub(crate) struct Checker<'a> {
     /// it may have.
     pub knows_dimension: bool,
     pub left_out: Vec<String>,
+    /// On which surfaces something is prescribed in any stage, and whether a displacement; none
+    /// where there are no stages.
+    pub surfaces_of_stages: Vec<(String, bool)>,
+    /// The end of the stage whose supports and loads the case has (s); none where they are those
+    /// of all instants.
+    pub end_of_stage: Option<f64>,
 }
 
 impl<'a> Checker<'a> {
@@ -45,6 +51,8 @@ impl<'a> Checker<'a> {
             axes: column_axes(2),
             knows_dimension: true,
             left_out: Vec::new(),
+            surfaces_of_stages: Vec::new(),
+            end_of_stage: None,
         }
     }
 }

@@ -99,6 +99,11 @@ impl Checker<'_> {
             let reason = format!("names `{of}`, which has no strength to be followed beyond");
             self.add(&format!("{path}.of"), reason);
         }
+        let damage = &interfaces[interface].initial.damage;
+        if matches!(damage, Some(Value::Constant(damage)) if *damage == 1.0) {
+            let reason = format!("names `{of}`, which is broken from the start");
+            self.add(&format!("{path}.of"), reason);
+        }
         let by_dissipation = matches!(section, ControlSection::Dissipation(_));
         if by_dissipation && !interfaces[interface].law.law().history_is_size_of_jump() {
             let reason = format!(

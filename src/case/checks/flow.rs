@@ -177,7 +177,8 @@ impl Checker<'_> {
 
     /// Says why the pore pressure is left out, or refuses to.
     fn leave_out(&mut self, file: &CaseFile, given: &Given<'_>) {
-        if starts_in_equilibrium(file) {
+        let has_stress = file.initial.as_ref().is_some_and(|initial| initial.stress.is_some());
+        if starts_in_equilibrium(file) && !has_stress {
             let reason = "needs a pore pressure that is computed (materials.NAME.porous and \
                           physics: hydro_mechanics); without one a run starts undeformed";
             self.add("initial.equilibrium", reason);

@@ -3,7 +3,7 @@
 use super::checker::Checker;
 use crate::case::InterfaceSpec;
 use crate::case::sections::file::CaseFile;
-use crate::case::sections::quantity::{FactorSection, Quantity};
+use crate::case::sections::quantity::{Quantity, SpatialQuantity};
 use crate::error::{Error, Result, number_text};
 use crate::input::Value;
 use crate::input::problems::suggestion;
@@ -72,18 +72,23 @@ impl Checker<'_> {
         list
     }
 
-    fn factor(&mut self, path: &str, section: &FactorSection) -> Value {
+    fn factor(&mut self, path: &str, section: &SpatialQuantity) -> Value {
+        if let SpatialQuantity::Number(number) = section
+            && *number <= 0.0
+        {
+            self.add(path, format!("must be positive, got {}", number_text(*number)));
+        }
+        self.in_space(path, section, "an imperfection")
+    }
+
+    /// A value that is the same at all times; `what` it is, in words.
+    pub(super) fn in_space(&mut self, path: &str, section: &SpatialQuantity, what: &str) -> Value {
         match section {
-            FactorSection::Number(number) => {
-                if *number <= 0.0 {
-                    self.add(path, format!("must be positive, got {}", number_text(*number)));
-                }
-                Value::Constant(*number)
-            }
-            FactorSection::Formula(section) => {
+            SpatialQuantity::Number(number) => Value::Constant(*number),
+            SpatialQuantity::Formula(section) => {
                 let value = self.value(path, &Quantity::Formula(section.clone()));
                 if matches!(&value, Value::Formula(formula) if formula.uses_t()) {
-                    let reason = "uses t: an imperfection is the same at all times";
+                    let reason = format!("uses t: {what} is the same at all times");
                     self.add(&format!("{path}.formula"), reason);
                 }
                 value

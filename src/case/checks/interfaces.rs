@@ -2,6 +2,7 @@
 
 use super::BULK;
 use super::checker::Checker;
+use crate::case::sections::InterfaceInitial;
 use crate::case::sections::file::{CaseFile, InterfaceSection};
 use crate::case::{Gap, InterfaceSpec, LawSpec, Location, MeshSpec};
 use crate::error::number_text;
@@ -34,15 +35,19 @@ impl Checker<'_> {
             let mut interface = InterfaceSpec {
                 name: section.name.clone(),
                 location,
-                has_gap: may_gape && section.gap != Some(Gap::Closed),
+                has_gap: may_gape && section.gap != Some(Gap::Closed) && !gives_gap(section),
                 law: section.law.clone(),
                 secondary: section.secondary,
                 fluid_pressure: None,
                 connected: false,
                 film: None,
+                initial: InterfaceInitial::default(),
             };
             if let Some(fluid) = &section.fluid {
                 self.fluid(&format!("{path}.fluid"), fluid, &mut interface);
+            }
+            if let Some(initial) = &section.initial {
+                self.interface_initial(&format!("{path}.initial"), initial, &mut interface);
             }
             interfaces.push(interface);
         }
@@ -128,6 +133,10 @@ impl Checker<'_> {
                           that lie on each other";
             self.add(&format!("{path}.gap"), reason);
         }
+        if section.gap == Some(Gap::AsDrawn) && gives_gap(section) {
+            let reason = "cannot stand beside initial.gap, which takes its place";
+            self.add(&format!("{path}.gap"), reason);
+        }
         may_gape
     }
 
@@ -199,6 +208,11 @@ impl Checker<'_> {
         }
         others.push(name);
     }
+}
+
+/// Whether the gap at the start is given, whatever the mesh has.
+fn gives_gap(section: &InterfaceSection) -> bool {
+    section.initial.as_ref().is_some_and(|initial| initial.gap.is_some())
 }
 
 /// The keys of a section that say where in a mesh file it is.

@@ -88,12 +88,25 @@ impl Checker<'_> {
             return Surface::COLUMN.to_vec();
         }
         let mut surfaces: Vec<Surface> = Vec::new();
-        for entry in boundary {
-            if entry.on != Surface::All && !surfaces.contains(&entry.on) {
-                surfaces.push(entry.on.clone());
+        let of_stages = self.surfaces_of_stages.iter().map(|(on, _)| self.surface_named(on));
+        for on in of_stages.chain(boundary.iter().map(|entry| entry.on.clone())) {
+            if on != Surface::All && !surfaces.contains(&on) {
+                surfaces.push(on);
             }
         }
         surfaces
+    }
+
+    /// The surfaces that have a prescribed displacement in some stage.
+    pub(super) fn supported_in_stages(&self) -> Vec<Surface> {
+        let supported = self.surfaces_of_stages.iter().filter(|(_, supports)| *supports);
+        supported.map(|(on, _)| self.surface_named(on)).collect()
+    }
+
+    fn surface_named(&self, on: &str) -> Surface {
+        let sides = if self.is_of_file { &[] } else { &Surface::COLUMN[..] };
+        let side = sides.iter().chain([&Surface::All]).find(|side| side.name() == on);
+        side.cloned().unwrap_or_else(|| Surface::Group(on.to_owned()))
     }
 
     /// A column has six sides and no groups, a file has groups only, whatever their names.
@@ -174,6 +187,8 @@ impl Checker<'_> {
             // Groups may meet others in ways that only the mesh knows.
             _ => a == b && *a != Surface::All,
         };
+        let is_own = |time: &&f64| self.end_of_stage.is_none_or(|end| **time <= end);
+        let instants: Vec<f64> = instants.iter().filter(is_own).copied().collect();
         // Each value once at each instant, where it is the same in space.
         let values: Vec<[Option<Vec<f64>>; 4]> = boundary
             .iter()

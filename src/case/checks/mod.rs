@@ -5,6 +5,7 @@ mod control;
 mod flow;
 mod fluid;
 mod initial;
+mod interface_initial;
 mod interfaces;
 mod limits;
 mod loads;
@@ -13,14 +14,17 @@ mod mesh;
 mod planes;
 mod results;
 mod size;
+mod stress;
 mod supports;
 
 pub use control::{Control, ControlKind};
 pub use flow::{FlowSpec, PhysicsDecision};
 pub use initial::Imperfection;
+pub use interface_initial::NodeStart;
 pub use limits::Every;
 pub use planes::CLOSEST_PLANES;
 pub use results::InterfaceQuantity;
+pub use stress::{AtRest, StressSpec};
 
 use std::path::Path;
 
@@ -72,7 +76,6 @@ impl Checker<'_> {
         let interfaces = self.interfaces(&file, &mesh);
         let boundary = self.boundary(&file);
         let surfaces = self.surfaces(&boundary);
-        let body_force = self.body_force(&file);
         let imperfections = self.imperfections(&file, &interfaces);
         let instants = self.time(&file);
         self.solver(&file.solver);
@@ -86,9 +89,9 @@ impl Checker<'_> {
             self.boxes(&mesh, &materials, &interfaces, flow.is_some());
             self.held(&mesh, &interfaces, &boundary);
         }
+        let initial_stress = self.initial_stress(&file, &materials);
         self.beside_friction(&file, &interfaces, flow.is_some());
         write_out(&mut file, path, physics);
-        let gravity = self.by_axis(file.gravity.as_deref().unwrap_or_default());
         let (checkpoint, wall) = self.limits(&file);
         let output = self.output(&file, &time, checkpoint);
         let probes = self.probes(&file, &mesh, &interfaces);
@@ -98,13 +101,16 @@ impl Checker<'_> {
             axes: self.axes,
             knows_dimension: self.knows_dimension,
             surfaces,
+            supported: self.supported_in_stages(),
+            stages: Vec::new(),
             mesh,
             materials,
             interfaces,
             boundary,
-            body_force,
-            gravity,
+            body_force: self.body_force(&file),
+            gravity: self.by_axis(file.gravity.as_deref().unwrap_or_default()),
             imperfections,
+            initial_stress,
             physics,
             flow,
             pressure_is_load,
@@ -144,8 +150,8 @@ impl Checker<'_> {
     fn held(&mut self, mesh: &MeshSpec, interfaces: &[InterfaceSpec], boundary: &[BoundarySpec]) {
         let Some(column) = mesh.column() else { return };
         if self.sound(&["mesh", "interfaces", "boundary"]) && self.problems.is_empty() {
-            let holds = supports::holds(interfaces);
-            for reason in supports::free_motions(column, interfaces, boundary, &holds) {
+            let (holds, presses) = (supports::holds(interfaces), supports::presses(interfaces));
+            for reason in supports::free_motions(column, interfaces, boundary, &holds, &presses) {
                 self.add("boundary", format!("leaves a body free: {reason}"));
             }
         }

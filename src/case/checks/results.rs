@@ -70,7 +70,7 @@ impl Case {
 
     /// The surfaces that prescribe a displacement, in the order of their first entry.
     pub fn supported_surfaces(&self) -> Vec<&Surface> {
-        let mut surfaces = Vec::new();
+        let mut surfaces: Vec<&Surface> = self.supported.iter().collect();
         for entry in &self.boundary {
             if entry.prescribes_displacement() && !surfaces.contains(&&entry.on) {
                 surfaces.push(&entry.on);
@@ -241,7 +241,11 @@ impl Checker<'_> {
                 let hint = suggestion(quantity, &known);
                 self.add(&format!("{path}.quantity"), format!("cannot be `{quantity}`{hint}"));
             }
-            self.instant(&format!("{path}.at"), section.at, &case.time);
+            // With stresses at the start there is a row of it.
+            let is_start = case.initial_stress.is_some() && section.at == case.start;
+            if !is_start {
+                self.instant(&format!("{path}.at"), section.at, &case.time);
+            }
             if section.relative.is_none() && section.absolute.is_none() {
                 self.add(&path, "needs a tolerance: relative, absolute or both");
             }

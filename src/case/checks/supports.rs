@@ -1,6 +1,6 @@
 //! Whether any body of the column can move freely as a rigid body.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, SymmetricEigen};
 
 use crate::case::Case;
 use crate::case::bodies::Bodies;
@@ -10,11 +10,11 @@ use crate::case::sections::{
 
 impl Case {
     /// The rigid motions that are free when only the interfaces marked in `holds` join their
-    /// bodies, one sentence for each group of bodies; none for a mesh file, whose bodies are
-    /// not known. Local.
-    pub fn free_motions(&self, holds: &[bool]) -> Vec<String> {
+    /// bodies, and those marked in `presses` keep them together along their normals, one sentence
+    /// for each group of bodies; none for a mesh file, whose bodies are not known. Local.
+    pub fn free_motions(&self, holds: &[bool], presses: &[bool]) -> Vec<String> {
         let Some(column) = self.mesh.column() else { return Vec::new() };
-        free_motions(column, &self.interfaces, &self.boundary, holds)
+        free_motions(column, &self.interfaces, &self.boundary, holds, presses)
     }
 
     /// Where a body lies, in words. Local.
@@ -38,60 +38,144 @@ impl Case {
     }
 }
 
-/// Whether each interface, undamaged, joins its bodies.
+/// Whether each interface joins its bodies at the start; where that depends on the place it is
+/// taken to do so.
 pub(super) fn holds(interfaces: &[InterfaceSpec]) -> Vec<bool> {
-    interfaces.iter().map(|i| i.law.law().holds_sliding(0.0)).collect()
+    interfaces.iter().map(|i| i.joins_at_start().unwrap_or(true)).collect()
+}
+
+/// Whether each interface presses on its bodies where it does not join them: contact does, and a
+/// crack that is there at the start, along its normal, as long as a load keeps it closed.
+pub(super) fn presses(interfaces: &[InterfaceSpec]) -> Vec<bool> {
+    let presses =
+        |i: &InterfaceSpec| i.law.law().strength().is_none() || i.joins_at_start() == Some(false);
+    interfaces.iter().map(presses).collect()
 }
 
 /// The rigid motions that nothing prevents, one sentence for each group of bodies.
 ///
-/// Bodies joined by an interface that `holds` move together. A motion is free when no prescribed
-/// component of the group sees it, which is the null space of the constraint rows taken at the
-/// corners of the surfaces that the group touches.
+/// Bodies joined by an interface that `holds` move together; one that only `presses` keeps their
+/// normal displacements together. A motion is free when no prescribed component of a group and no
+/// such interface sees it, which is the null space of the constraint rows taken at the corners of
+/// the surfaces that the groups touch.
 pub(super) fn free_motions(
     column: &ColumnSpec,
     interfaces: &[InterfaceSpec],
     boundary: &[BoundarySpec],
     holds: &[bool],
+    presses: &[bool],
 ) -> Vec<String> {
     let all = Bodies::new(column, interfaces);
-    let mut sentences = Vec::new();
-    for members in all.together(holds) {
+    let groups = all.together(holds);
+    let part = |members: &Vec<usize>| {
         let [first, last] = [members[0], members[members.len() - 1]];
         let [[below, _], [_, above]] = [first, last].map(|body| all.interfaces_of(body));
-        let part = Part {
+        Part {
             lengths: column.lengths(),
             z: [all.z(first)[0], all.z(last)[1]],
             touches_bottom: below.is_none(),
             touches_top: above.is_none(),
             dim: column.size.len(),
-        };
-        let motions = part.free_motions(boundary);
+        }
+    };
+    let parts: Vec<Part> = groups.iter().map(part).collect();
+    // An interface lies on top of the last body of its lower group.
+    let is_pressed =
+        |lower: usize| groups[lower].last().is_some_and(|interface| presses[*interface]);
+    let mut sentences = Vec::new();
+    for (members, motions) in groups.iter().zip(motions_left(&parts, boundary, is_pressed)) {
         if motions.is_empty() {
             continue;
         }
+        let [first, last] = [members[0], members[members.len() - 1]];
+        let [[below, _], [_, above]] = [first, last].map(|body| all.interfaces_of(body));
         let bodies = if first == last {
             format!("body {}", first + 1)
         } else {
             format!("bodies {} to {}", first + 1, last + 1)
         };
-        let mut laws = [below, above].into_iter().flatten().map(|interface| interface.law.name());
-        let is_pressed = motions.iter().any(|motion| motion == "translation along z");
-        let contact = if is_pressed && laws.any(|law| law == "contact") {
-            "; a contact does not count, also where weight or a traction presses it: in the place \
-             of the load prescribe the displacement of a surface of that body, or hold it by \
-             linear_softening with a strength that is small beside the load"
+        let mut beside = [below, above].into_iter().flatten();
+        let contact = if beside.any(|i| i.joins_at_start() == Some(false)) {
+            "; a contact holds what is pressed on it along its normal, and nothing sideways without \
+             friction"
         } else {
             ""
         };
         sentences.push(format!(
             "{bodies} ({}) can move freely: {}; prescribe displacements that prevent it, or choose \
              a law that holds{contact}",
-            all.place(&members),
+            all.place(members),
             motions.join(", ")
         ));
     }
     sentences
+}
+
+/// The names of the free motions of each part, bottom to top; `is_pressed` tells whether a part and
+/// the one above it keep their normal displacements together.
+fn motions_left(
+    parts: &[Part],
+    boundary: &[BoundarySpec],
+    is_pressed: impl Fn(usize) -> bool,
+) -> Vec<Vec<String>> {
+    let Some(motions) = parts.first().map(Part::motions) else { return Vec::new() };
+    let (width, size) = (motions.len(), motions.len() * parts.len());
+    let mut rows: Vec<f64> = Vec::new();
+    let mut add = |values: &[(usize, f64, [f64; 3], usize)]| {
+        let mut row = vec![0.0; size];
+        for (part, sign, point, axis) in values {
+            for (value, motion) in row[part * width..][..width].iter_mut().zip(motions) {
+                *value += sign * displacement(*motion, *point)[*axis];
+            }
+        }
+        rows.extend(row);
+    };
+    for (number, part) in parts.iter().enumerate() {
+        for (point, axis) in part.held_points(boundary) {
+            add(&[(number, 1.0, point, axis)]);
+        }
+        if number + 1 < parts.len() && is_pressed(number) {
+            let upper = parts[number + 1].corners(&Surface::Bottom);
+            for (below, above) in part.corners(&Surface::Top).into_iter().zip(upper) {
+                add(&[(number, -1.0, below, 2), (number + 1, 1.0, above, 2)]);
+            }
+        }
+    }
+    // Zero rows make the matrix tall, so that the decomposition has every right vector.
+    rows.resize(rows.len() + size * size, 0.0);
+    let rows = DMatrix::from_row_slice(rows.len() / size, size, &rows);
+    let svd = rows.svd(false, true);
+    let largest = svd.singular_values.max().max(1e-300);
+    let Some(right) = svd.v_t else { return vec![Vec::new(); parts.len()] };
+    let free: Vec<usize> =
+        (0..size).filter(|index| svd.singular_values[*index] <= 1e-9 * largest).collect();
+    let of_part = |number: usize| {
+        let moved = DMatrix::from_fn(width, free.len().max(1), |motion, index| {
+            free.get(index).map_or(0.0, |free| right[(*free, number * width + motion)])
+        });
+        names_of(motions, moved)
+    };
+    (0..parts.len()).map(of_part).collect()
+}
+
+/// The motions of a part in those that `moved` has as columns.
+fn names_of(motions: &[usize], moved: DMatrix<f64>) -> Vec<String> {
+    // A singular value decomposition of less than full rank has left vectors that are less exact.
+    let eigen = SymmetricEigen::new(&moved * moved.transpose());
+    let kept: Vec<usize> = (0..motions.len()).filter(|k| eigen.eigenvalues[*k] > 1e-12).collect();
+    let share =
+        |row: usize| kept.iter().map(|k| eigen.eigenvectors[(row, *k)].powi(2)).sum::<f64>();
+    let named = motions.iter().enumerate().filter(|(row, motion)| {
+        // A rotation about a line off the centre has a translation in it that is not free by
+        // itself: only the rotation is named.
+        if **motion > 2 { share(*row).sqrt() > 1e-6 } else { (share(*row) - 1.0).abs() < 1e-6 }
+    });
+    let name = |motion: usize| {
+        let (kind, word) =
+            if motion < 3 { ("translation", "along") } else { ("rotation", "about") };
+        format!("{kind} {word} {}", ["x", "y", "z"][motion % 3])
+    };
+    named.map(|(_, motion)| name(*motion)).collect()
 }
 
 /// Bodies that move together: a box between two heights.
@@ -129,9 +213,9 @@ impl Part {
             .collect()
     }
 
-    fn free_motions(&self, boundary: &[BoundarySpec]) -> Vec<String> {
-        let motions = self.motions();
-        let mut rows: Vec<f64> = Vec::new();
+    /// The points at which supports hold a component, with the axis of that.
+    fn held_points(&self, boundary: &[BoundarySpec]) -> Vec<([f64; 3], usize)> {
+        let mut held = Vec::new();
         let mut seen: Vec<(&Surface, usize)> = Vec::new();
         for entry in boundary.iter().filter(|entry| self.touches(&entry.on)) {
             for axis in (0..3).filter(|axis| entry.displacement[*axis].is_some()) {
@@ -140,42 +224,10 @@ impl Part {
                     continue;
                 }
                 seen.push((&entry.on, axis));
-                for point in self.corners(&entry.on) {
-                    rows.extend(motions.iter().map(|motion| displacement(*motion, point)[axis]));
-                }
+                held.extend(self.corners(&entry.on).into_iter().map(|point| (point, axis)));
             }
         }
-        // Zero rows make the matrix tall, so that the decomposition has every right vector.
-        rows.resize(rows.len() + motions.len() * motions.len(), 0.0);
-        let rows = DMatrix::from_row_slice(rows.len() / motions.len(), motions.len(), &rows);
-        let svd = rows.svd(false, true);
-        let largest = svd.singular_values.max();
-        let Some(right) = svd.v_t else { return Vec::new() };
-        let free: Vec<usize> = (0..motions.len())
-            .filter(|index| svd.singular_values[*index] <= 1e-9 * largest.max(1e-300))
-            .collect();
-        motions
-            .iter()
-            .enumerate()
-            .filter(|(column, _)| {
-                let share: f64 = free.iter().map(|row| right[(*row, *column)].powi(2)).sum();
-                share.sqrt() > 1e-6
-            })
-            .filter(|(column, motion)| {
-                // A rotation about a line off the centre has a translation in it that is not
-                // free by itself: only the rotation is named.
-                **motion > 2 || {
-                    let share: f64 = free.iter().map(|row| right[(*row, *column)].powi(2)).sum();
-                    (share - 1.0).abs() < 1e-6
-                }
-            })
-            .map(|(_, motion)| {
-                let axis = ["x", "y", "z"][motion % 3];
-                let (kind, word) =
-                    if *motion < 3 { ("translation", "along") } else { ("rotation", "about") };
-                format!("{kind} {word} {axis}")
-            })
-            .collect()
+        held
     }
 }
 

@@ -9,8 +9,8 @@ use super::file::{
     ProbeSection, TimeSection,
 };
 use super::quantity::{
-    CheckpointSection, FactorSection, FluidSection, ImperfectionSection, InitialSection,
-    LimitsSection, Quantity,
+    CheckpointSection, FluidSection, ImperfectionSection, InitialSection, InterfaceInitialSection,
+    LimitsSection, Quantity, SpatialQuantity,
 };
 use super::{Formulation, Gap, Porous, Reduce, Side, SolverSpec, Surface};
 use crate::law::LawSpec;
@@ -28,6 +28,7 @@ impl CaseFile {
             body_force: Components::default(),
             initial: None,
             time,
+            stages: Vec::new(),
             physics: Physics::default(),
             control: None,
             solver: SolverSpec::default(),
@@ -197,8 +198,9 @@ impl InterfaceSection {
     }
 
     fn nowhere(name: String, law: LawSpec) -> Self {
-        let (z, on, between, gap) = (None, None, None, None);
-        Self { name, z, on, flip: false, between, gap, law, secondary: None, fluid: None }
+        let (z, on, between, gap, fluid) = (None, None, None, None, None);
+        let (secondary, initial) = (None, None);
+        Self { name, z, on, flip: false, between, gap, law, secondary, fluid, initial }
     }
 }
 
@@ -207,6 +209,7 @@ setters! { InterfaceSection:
     gap = Gap => Some(gap), "With an initial gap of a contact as drawn, or closed.";
     secondary = Side => Some(secondary), "With multipliers on this side.";
     fluid = FluidSection => Some(fluid), "With fluid between the lips.";
+    initial = InterfaceInitialSection => Some(initial), "With a state at the start.";
 }
 
 impl FluidSection {
@@ -223,6 +226,13 @@ impl FluidSection {
 
 setters! { FluidSection:
     connected = bool => connected, "Whether the pore pressure at the lips equals the imposed one.";
+}
+
+setters! { InterfaceInitialSection:
+    damage = impl Into<SpatialQuantity> => Some(damage.into()), "With a damage from 0 to 1.";
+    gap = impl Into<SpatialQuantity> => Some(gap.into()), "With a distance of the lips in m.";
+    aperture = impl Into<SpatialQuantity> => Some(aperture.into()),
+        "With a hydraulic aperture of closed lips in m.";
 }
 
 impl BoundarySection {
@@ -287,7 +297,7 @@ impl From<&str> for Surface {
 
 impl ImperfectionSection {
     /// An imperfection of an interface: a factor, or a formula of one in x, y, z.
-    pub fn new(interface: impl Into<String>, factor: impl Into<FactorSection>) -> Self {
+    pub fn new(interface: impl Into<String>, factor: impl Into<SpatialQuantity>) -> Self {
         Self { interface: interface.into(), factor: factor.into() }
     }
 }

@@ -5,8 +5,12 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::quantity::{CheckpointSection, FluidSection, InitialSection, LimitsSection, Quantity};
-use super::{Formulation, Gap, Porous, Reduce, Side, SolverSpec, Surface};
+pub use super::quantity::Components;
+use super::quantity::{
+    CheckpointSection, FluidSection, InitialSection, InterfaceInitialSection, LimitsSection,
+    Quantity,
+};
+use super::{Formulation, Gap, Porous, Reduce, Side, SolverSpec, StageSection, Surface};
 use crate::law::LawSpec;
 
 /// Case file of column-hpc. All units are SI; z points up.
@@ -40,6 +44,10 @@ pub struct CaseFile {
     pub initial: Option<InitialSection>,
     /// The instants.
     pub time: TimeSection,
+    /// What changes at given times; everything else stays.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 1000))]
+    pub stages: Vec<StageSection>,
     /// What is computed.
     #[serde(default)]
     pub physics: Physics,
@@ -207,6 +215,9 @@ pub struct InterfaceSection {
     /// Fluid between the lips.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fluid: Option<FluidSection>,
+    /// Its state at the start.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub initial: Option<InterfaceInitialSection>,
 }
 
 /// What is prescribed on a surface.
@@ -227,31 +238,6 @@ pub struct BoundarySection {
     /// Mass flux of the fluid in kg/m2/s, positive inwards.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flux: Option<Quantity>,
-}
-
-/// Components along x, y, z; in 2D there is no y in a column, and no z on a mesh file.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Components {
-    /// Along x.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub x: Option<Quantity>,
-    /// Along y.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub y: Option<Quantity>,
-    /// Along z.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub z: Option<Quantity>,
-    /// Along the outward normal of the surface.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub normal: Option<Quantity>,
-}
-
-impl Components {
-    /// Whether no component is given.
-    pub fn is_empty(&self) -> bool {
-        [&self.x, &self.y, &self.z, &self.normal].into_iter().all(Option::is_none)
-    }
 }
 
 /// The instants.

@@ -25,6 +25,19 @@ pub struct InterfaceSpec {
     pub connected: bool,
     /// Fluid that flows along the interface at a pressure of its own.
     pub film: Option<FilmSpec>,
+    /// Its state at the start.
+    pub initial: InterfaceInitial,
+}
+
+/// The state of an interface at the start, in space; what is not given is 0.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct InterfaceInitial {
+    /// Damage from 0 to 1.
+    pub damage: Option<Value>,
+    /// Distance of the lips (m).
+    pub gap: Option<Value>,
+    /// Width in which fluid flows and is stored where the lips are closed (m).
+    pub aperture: Option<Value>,
 }
 
 /// Where an interface is.
@@ -55,6 +68,18 @@ impl InterfaceSpec {
             Location::Height(z) => Some(z),
             Location::Group { .. } | Location::Between(_) => None,
         }
+    }
+
+    /// What it starts with, in words that follow its law; empty where that is nothing.
+    pub fn start_words(&self) -> String {
+        let InterfaceInitial { damage, gap, aperture } = &self.initial;
+        let given = [("damage", damage), ("a gap", gap), ("an aperture", aperture)];
+        let given = given.iter().filter(|(_, of)| of.as_ref().is_some_and(|of| !of.is_zero()));
+        let words: Vec<&str> = given.map(|(words, _)| *words).collect();
+        if words.is_empty() {
+            return String::new();
+        }
+        format!(" with {} at the start", words.join(" and "))
     }
 
     /// Where it is, in words that follow its name.

@@ -46,6 +46,7 @@ mod mesh;
 mod output;
 pub(crate) mod quantity;
 mod solver;
+mod stage;
 
 pub use boundary::{BoundarySpec, Surface, SurfaceBit};
 pub use file::{
@@ -54,14 +55,18 @@ pub use file::{
     InterfaceSection, MaterialSection, MeshSection, OpeningSection, OutputSection, Physics,
     ProbeSection, TimeSection,
 };
-pub use interface::{FilmSpec, Gap, InterfaceSpec, Location, Side};
+pub use interface::{FilmSpec, Gap, InterfaceInitial, InterfaceSpec, Location, Side};
 pub use material::{Material, Porous};
 pub use mesh::{
     Cells, ColumnSpec, FileSpec, Formulation, MeshSource, MeshSpec, column_axes, file_axes,
 };
 pub use output::{Expectation, Fields, OutputSpec, Probe};
 pub use quantity::{
-    CheckpointSection, FactorSection, FluidSection, FormulaSection, ImperfectionSection,
-    InitialSection, LimitsSection, Quantity, TableSection,
+    CheckpointSection, FluidSection, FormulaSection, ImperfectionSection, InitialSection,
+    InterfaceInitialSection, LimitsSection, Quantity, SpatialQuantity, StressSection, TableSection,
 };
 pub use solver::{Form, Linear, Reduce, SolverSpec, Stability};
+pub use stage::{
+    FreeWord, StageBoundarySection, StageComponents, StageDisplacement, StageElasticSection,
+    StageFluidSection, StageMaterialSection, StagePorousSection, StageQuantity, StageSection,
+};

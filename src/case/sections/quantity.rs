@@ -32,6 +32,31 @@ pub struct FormulaSection {
     pub formula: String,
 }
 
+/// Components along x, y, z; in 2D there is no y in a column, and no z on a mesh file.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Components {
+    /// Along x.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub x: Option<Quantity>,
+    /// Along y.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub y: Option<Quantity>,
+    /// Along z.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub z: Option<Quantity>,
+    /// Along the outward normal of the surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub normal: Option<Quantity>,
+}
+
+impl Components {
+    /// Whether no component is given.
+    pub fn is_empty(&self) -> bool {
+        [&self.x, &self.y, &self.z, &self.normal].into_iter().all(Option::is_none)
+    }
+}
+
 /// Fluid in an interface.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -62,10 +87,59 @@ pub struct InitialSection {
     /// the loads and the prescribed displacements, instead of 0.
     #[serde(default)]
     pub equilibrium: bool,
+    /// Stresses that are there before, from whose equilibrium displacements count.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stress: Option<StressSection>,
     /// What makes a perfect structure imperfect, so that one of its branches is selected.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 1000))]
     pub imperfection: Vec<ImperfectionSection>,
+}
+
+/// Stresses at the start in Pa, tension positive, of porous materials the effective ones: numbers,
+/// or formulas in space. What is left out is 0, or follows from `k0`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(extend("minProperties" = 1))]
+pub struct StressSection {
+    /// Normal stress along x.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub xx: Option<Quantity>,
+    /// Normal stress along y.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub yy: Option<Quantity>,
+    /// Normal stress along z.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub zz: Option<Quantity>,
+    /// Shear stress.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub xy: Option<Quantity>,
+    /// Shear stress.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub yz: Option<Quantity>,
+    /// Shear stress.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub zx: Option<Quantity>,
+    /// Horizontal over vertical stress; the vertical one is that of the weight above unless it is
+    /// given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub k0: Option<Quantity>,
+}
+
+/// The state of an interface at the start.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(extend("minProperties" = 1))]
+pub struct InterfaceInitialSection {
+    /// Damage from 0 to 1, an open crack without strength.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damage: Option<SpatialQuantity>,
+    /// Distance of the lips in m, where nothing holds them together.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gap: Option<SpatialQuantity>,
+    /// Width in m in which fluid flows and is stored where the lips are closed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub aperture: Option<SpatialQuantity>,
 }
 
 /// An imperfection of an interface.
@@ -75,14 +149,14 @@ pub struct ImperfectionSection {
     /// Name of the interface.
     pub interface: String,
     /// What its strength and its fracture energy are multiplied by; the critical jump stays.
-    pub factor: FactorSection,
+    pub factor: SpatialQuantity,
 }
 
-/// A factor: a number, or a formula in space.
+/// A number, or a formula in space.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum FactorSection {
-    /// The same on the whole interface.
+pub enum SpatialQuantity {
+    /// The same everywhere.
     Number(f64),
     /// In x, y, z.
     Formula(FormulaSection),
@@ -132,15 +206,15 @@ impl From<&str> for Quantity {
     }
 }
 
-impl From<f64> for FactorSection {
-    fn from(factor: f64) -> Self {
-        FactorSection::Number(factor)
+impl From<f64> for SpatialQuantity {
+    fn from(number: f64) -> Self {
+        SpatialQuantity::Number(number)
     }
 }
 
 /// A formula.
-impl From<&str> for FactorSection {
+impl From<&str> for SpatialQuantity {
     fn from(formula: &str) -> Self {
-        FactorSection::Formula(FormulaSection { formula: formula.to_owned() })
+        SpatialQuantity::Formula(FormulaSection { formula: formula.to_owned() })
     }
 }

@@ -133,6 +133,7 @@ expect: [{quantity: joint.damage.mean, at: 3, equals: 0, absolute: 1}]
     .initial(InitialSection {
         pressure: Some("1e4*(5 - z)".into()),
         equilibrium: true,
+        stress: None,
         imperfection: vec![ImperfectionSection::new("joint", "1 - 0.01*x")],
     })
     .physics(Physics::HydroMechanics)

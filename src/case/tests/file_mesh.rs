@@ -62,7 +62,10 @@ fn a_case_with_a_mesh_file_is_read() {
     assert_eq!(mirror.displacement[0].as_ref().map(|x| x.at([2.0, 0.0, 3.0], 5.0)), Some(30.0));
     assert_eq!(case.boundary[2].normal_traction, Some(Value::Constant(-2.0e5)));
     // Bodies, points and planes are matters of the mesh.
-    assert!(case.free_motions(&[false, false]).is_empty() && case.axial_stiffness().is_none());
+    assert!(
+        case.free_motions(&[false, false], &[false, false]).is_empty()
+            && case.axial_stiffness().is_none()
+    );
 }
 
 #[test]

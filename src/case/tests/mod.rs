@@ -1,6 +1,7 @@
 //! Tests of the reader: good cases, overrides, what is left out; mistakes have their own file.
 
 mod built;
+mod cracks;
 mod file_mesh;
 mod flow;
 mod limits;
@@ -8,6 +9,8 @@ mod mistakes;
 mod places_and_names;
 mod shipped;
 mod stability;
+mod stages;
+mod stress;
 
 use super::*;
 

@@ -128,8 +128,9 @@ fn words_that_became_true_or_false_are_told() {
         ),
         (
             "time:",
-            "initial: {stress: 3}\ntime:",
-            "13:11: initial.stress is not a known key (known: equilibrium, imperfection, pressure)"
+            "initial: {strain: 3}\ntime:",
+            "13:11: initial.strain is not a known key (known: equilibrium, imperfection, \
+             pressure, stress)"
                 .to_owned(),
         ),
         ("time:", "initial: {}\ntime:", "13:10: initial has no entries".to_owned()),

@@ -7,7 +7,7 @@ use crate::case::Case;
 use crate::element::{MAX_NODES, Shape};
 use crate::interface::{Film, Fluid, Sides};
 use crate::mesh::{Facet, LocalMesh};
-use crate::space::Nodes;
+use crate::space::{AtNode, Nodes};
 
 /// Parts of a corner below this are rounding.
 const ROUNDING: f64 = 1e-12;
@@ -30,7 +30,7 @@ pub(in crate::solve) fn further_nodes(
 /// Indices into `Discretization::secondary` of the owned nodes with a film, rising, and the corners
 /// around each with their parts of the pressure there, by rising name.
 fn film_nodes(case: &Case, of: Displacements<'_>) -> Vec<(u32, Vec<(u64, f64)>)> {
-    let Displacements { mesh, all, sides } = of;
+    let Displacements { mesh, all, sides, .. } = of;
     let mut corners_of = vec![Vec::new(); all.owned_secondary()];
     for (_, side) in flowing(case, sides) {
         for facet in mesh.on_lip(side.interface, side.secondary) {
@@ -53,7 +53,7 @@ fn film_nodes(case: &Case, of: Displacements<'_>) -> Vec<(u32, Vec<(u64, f64)>)>
 
 /// The corners around secondary nodes of which this rank has cells, but none with a facet there.
 fn add_missing(case: &Case, of: Displacements<'_>, corners_of: &mut [Vec<(u64, f64)>]) {
-    let Displacements { mesh, all, sides } = of;
+    let Displacements { mesh, all, sides, .. } = of;
     let mut missing = vec![None; mesh.nodes.names.len()];
     for (_, side) in flowing(case, sides) {
         for (node, (name, _, marks)) in mesh.nodes.iter().enumerate() {
@@ -129,9 +129,72 @@ fn openings(of: Displacements<'_>, side: &Sides, facet: Facet, names: &[u64]) ->
     openings
 }
 
-/// The films of this rank's secondary nodes and facets. Local.
-pub(in crate::solve) fn films(case: &Case, of: Displacements<'_>, nodes: &Nodes) -> Films {
+/// How wide the films are before anything moves.
+struct Widths<'a> {
+    case: &'a Case,
+    all: &'a Discretization,
+    /// Gaps at all local nodes (m), 0 at those that are not secondary.
+    gaps: Vec<f64>,
+}
+
+impl<'a> Widths<'a> {
+    /// Collective.
+    fn new(case: &'a Case, of: Displacements<'a>) -> Self {
+        let Displacements { all, gaps: owned, .. } = of;
+        let mut gaps = vec![0.0; all.nodes.len()];
+        for (rows, gap) in all.secondary.iter().zip(owned) {
+            gaps[rows.node as usize] = *gap;
+        }
+        all.nodes.update_ghosts(&mut gaps, 1);
+        Self { case, all, gaps }
+    }
+
+    /// What closed lips conduct at a node of an interface (m). Local.
+    fn aperture(&self, interface: usize, name: u64, point: [f64; 3]) -> Result<f64, AtNode> {
+        let start = self.case.interfaces[interface].start_at(interface, point);
+        start.map(|start| start.aperture).map_err(|error| AtNode(name, error))
+    }
+
+    /// The gap at an entry of `Discretization::secondary` (m). Local.
+    fn gap(&self, secondary: u32) -> f64 {
+        self.gaps[self.all.secondary[secondary as usize].node as usize]
+    }
+
+    /// The width at an entry of `Discretization::secondary` (m). Local.
+    fn at(&self, secondary: u32) -> Result<f64, AtNode> {
+        let (rows, nodes) = (&self.all.secondary[secondary as usize], &self.all.nodes);
+        let node = rows.node as usize;
+        let aperture = self.aperture(rows.interface, nodes.names[node], nodes.points[node])?;
+        Ok(aperture + self.gap(secondary))
+    }
+
+    /// The widths at the nodes of a facet, whose names and places are given (m). Local.
+    fn of_facet(
+        &self,
+        interface: usize,
+        nodes: impl Iterator<Item = (u64, [f64; 3])>,
+        openings: &[Opening],
+    ) -> Result<Vec<f64>, AtNode> {
+        let apertures = nodes.map(|(name, point)| self.aperture(interface, name, point));
+        let mut widths = apertures.collect::<Result<Vec<f64>, AtNode>>()?;
+        for Opening { node, secondary, part } in openings {
+            widths[*node as usize] += part * self.gap(*secondary);
+        }
+        Ok(widths)
+    }
+}
+
+/// The films of this rank's secondary nodes and facets. Collective.
+///
+/// # Errors
+/// At the first node where a formula gives no aperture.
+pub(in crate::solve) fn films(
+    case: &Case,
+    of: Displacements<'_>,
+    nodes: &Nodes,
+) -> Result<Films, AtNode> {
     let Displacements { mesh, sides, .. } = of;
+    let before = Widths::new(case, of);
     let local = |name: u64| nodes.local(name).expect("the corners of a film are held");
     let mut films = Films::default();
     // The edges of facets of boxes, and the shapes.
@@ -160,18 +223,23 @@ pub(in crate::solve) fn films(case: &Case, of: Displacements<'_>, nodes: &Nodes)
             let names: Vec<u64> =
                 nodes.iter().map(|node| mesh.nodes.names[*node as usize]).collect();
             let corners = &names[..shape.corners().nodes()];
+            let openings = openings(of, side, *facet, &names);
+            let places = nodes.iter().map(|node| mesh.nodes.points[*node as usize]);
+            let places = names.iter().copied().zip(places);
+            let widths = before.of_facet(side.interface, places, &openings)?;
             films.facets.push(FilmFacet {
                 prototype: prototype as u32,
-                openings: openings(of, side, *facet, &names),
+                openings,
+                widths,
                 corners: corners.iter().map(|name| local(*name)).collect(),
             });
         }
     }
     for (secondary, corners) in film_nodes(case, of) {
         let corners = corners.into_iter().map(|(name, part)| (local(name), part)).collect();
-        films.nodes.push(FilmNode { secondary, corners });
+        films.nodes.push(FilmNode { secondary, width: before.at(secondary)?, corners });
     }
-    films
+    Ok(films)
 }
 
 /// The edges of a facet with these nodes (m) whose first edges run along the first axes and whose

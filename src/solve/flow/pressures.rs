@@ -25,6 +25,8 @@ pub struct Displacements<'a> {
     pub all: &'a Rc<Discretization>,
     /// The sides of the interfaces.
     pub sides: &'a [Sides],
+    /// Gaps at the owned secondary nodes before anything moves (m).
+    pub gaps: &'a [f64],
 }
 
 /// Interfaces along which fluid flows.

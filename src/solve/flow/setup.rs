@@ -226,7 +226,8 @@ pub fn known_pressure(
     let corners = mesh.corners();
     let prescribed = PrescribedPressure::new(case);
     let pressures = Pressures { corners: &corners, prescribed: &prescribed };
-    let space = pore_space(comm, case, Displacements { mesh, all, sides: &[] }, &pressures)?;
+    let of = Displacements { mesh, all, sides: &[], gaps: &[] };
+    let space = pore_space(comm, case, of, &pressures)?;
     KnownPressure::new(comm, space, prescribed, &case.load_times()).map(Some)
 }
 
@@ -271,7 +272,7 @@ fn porous_cells(case: &Case, mesh: &LocalMesh) -> (Vec<PorousCell>, Vec<(usize, 
 /// Nodes, cells, ties and films of the pressure. Collective.
 ///
 /// # Errors
-/// As [`named_ties`].
+/// As [`named_ties`]; `Input` where a formula gives no aperture.
 fn pore_space(
     comm: &Comm,
     case: &Case,
@@ -300,7 +301,7 @@ fn pore_space(
     });
     let cells = cells.collect();
     let (ties, tie_of) = ties(&named, &nodes);
-    let films = films(case, of, &nodes);
+    let films = AtNode::agree(comm, films(case, of, &nodes))?;
     Ok(PoreSpace {
         dim,
         cells,

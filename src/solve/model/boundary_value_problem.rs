@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use super::fit;
+use super::initial_stress::StressAtStart;
 use super::special::{Carriers, special_of};
 use super::special_by_name::SpecialByName;
 use crate::assembly::{Cells, Discretization};
@@ -27,6 +28,8 @@ pub struct BoundaryValueProblem {
     pub supports: Supports,
     /// Loads on the bulk.
     pub loads: Loads,
+    /// Stresses that are there at the start.
+    pub initial_stress: Option<StressAtStart>,
     /// What is to be said of it, in words; the same on every rank.
     pub remarks: Vec<String>,
 }
@@ -49,7 +52,7 @@ impl BoundaryValueProblem {
         comm.agree(loads.check(&times))?;
         let sides = Sides::choose(case, &mesh.facts);
         fit::check(comm, case, &mesh)?;
-        let (all, remarks) = discretize(comm, case, &mesh, &sides)?;
+        let (all, mut remarks) = discretize(comm, case, &mesh, &sides)?;
         remarks.iter().for_each(|words| tracing::warn!("warning: {words}"));
         let all = Rc::new(all);
         let unknowns = all.nodes.total * case.dim as u64;
@@ -65,7 +68,9 @@ impl BoundaryValueProblem {
             special.node = local.expect("a node of the rank's own cell");
         }
         let supports = Supports::new(prescribed, special);
-        Ok(Self { mesh, all, sides, supports, loads, remarks })
+        let initial_stress = StressAtStart::new(comm, case, &mesh, &all)?;
+        remarks.extend(initial_stress.iter().filter_map(|stress| stress.assumed.clone()));
+        Ok(Self { mesh, all, sides, supports, loads, initial_stress, remarks })
     }
 }
 
@@ -99,7 +104,8 @@ pub(in crate::solve) fn discretize(
     Ok((Discretization::new(case.dim, cells, nodes, frames, fixed, rows), remarks))
 }
 
-fn cells(case: &Case, mesh: &LocalMesh, nodes: &Nodes) -> Cells {
+/// The cells of a mesh with the stiffness of the materials of a case. Local.
+pub(in crate::solve) fn cells(case: &Case, mesh: &LocalMesh, nodes: &Nodes) -> Cells {
     let axes = case.axes;
     let stiffness = mesh
         .prototypes

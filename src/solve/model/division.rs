@@ -149,7 +149,7 @@ impl Scene<'_> {
     }
 
     fn holds_firmly(&self, side: &Sides) -> bool {
-        self.case.interfaces[side.interface].law.law().holds_sliding(0.0)
+        self.case.interfaces[side.interface].joins_at_start().unwrap_or(true)
     }
 
     /// The facets of interfaces that hold, where some node carries no multiplier, with the bodies

@@ -13,6 +13,8 @@ pub struct NodeData {
     /// As [`InterfaceState::gaps`](super::InterfaceState); 0 where the normal component has no
     /// multiplier.
     pub gaps: Vec<f64>,
+    /// Damage from 0 to 1.
+    pub damages: Vec<f64>,
 }
 
 /// Gaps below this part of the size of facets are those of coordinates with few digits.

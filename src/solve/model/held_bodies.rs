@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::BoundaryValueProblem;
+use super::initial::joins;
 use crate::assembly::Discretization;
 use crate::case::{BoundarySpec, Case, SurfaceBit};
 use crate::comm::Comm;
@@ -18,38 +19,50 @@ const MOST_MOTIONS: usize = 1200;
 const MOST_GROUPS: usize = 10_000;
 
 /// Refuses a case in which bodies can move without resistance at the start: neither supports nor
-/// interfaces that hold stop them. Collective.
+/// interfaces that hold stop them. Of a column this is known beforehand, unless it is said place by
+/// place what holds. Collective.
 ///
 /// # Errors
-/// `Input` that names the body and the motion.
+/// `Input` that names the body and the motion, or a formula that gives what cannot be.
 pub fn check(comm: &Comm, case: &Case, problem: &BoundaryValueProblem) -> Result<()> {
     let BoundaryValueProblem { mesh, all, .. } = problem;
+    let joins = joins(comm, case, all)?;
     if !mesh.is_of_file() {
-        return Ok(());
+        let depends = case.interfaces.iter().any(|i| i.joins_at_start().is_none());
+        // What does not join presses.
+        let presses: Vec<bool> = joins.iter().map(|joins| !joins).collect();
+        let free = if depends { case.free_motions(&joins, &presses) } else { Vec::new() };
+        return match free.first() {
+            Some(reason) => Err(Error::Input(format!("boundary leaves a body free: {reason}"))),
+            None => Ok(()),
+        };
     }
-    let bodies = Bodies::new(case, &mesh.facts);
+    let bodies = Bodies::new(&joins, &mesh.facts);
     if bodies.count > MOST_GROUPS {
         return Ok(());
     }
     let (resistance, middles) = bodies.sums(comm, all);
-    let motions = bodies.motions();
-    for (group, sums) in resistance.chunks_exact(motions * motions).enumerate() {
-        let eigen = SymmetricEigen::new(DMatrix::from_row_slice(motions, motions, sums));
-        let most = eigen.eigenvalues.amax();
-        let free =
-            (0..motions).find(|i| eigen.eigenvalues[*i] <= FREE * most.max(f64::MIN_POSITIVE));
-        let Some(free) = free else { continue };
-        let motion = eigen.eigenvectors.column(free);
-        let number = (0..motions).max_by(|i, j| motion[*i].abs().total_cmp(&motion[*j].abs()));
+    if let Some((group, number)) = bodies.first_free(comm, &joins, all, &resistance) {
         let [x, y, z] = middles[group];
         return Err(Error::Input(format!(
             "nothing holds the body around ({x:.4}, {y:.4}, {z:.4}) m against a {}: neither the \
-             prescribed displacements nor an interface that holds (contact does not); prescribe a \
-             displacement on one of its surfaces, or join it to another body",
-            bodies.name(number.unwrap_or_default()),
+             prescribed displacements nor an interface that holds (a contact without friction holds \
+             what is pressed on it along its normal alone); prescribe a displacement on one of its \
+             surfaces, join it to another body, or give the contact friction",
+            bodies.name(number),
         )));
     }
     hinges(case, &bodies)
+}
+
+/// The first free motion and the part of it, by its place, that is most of it.
+fn free_motion(matrix: DMatrix<f64>) -> Option<usize> {
+    let size = matrix.nrows();
+    let eigen = SymmetricEigen::new(matrix);
+    let least = FREE * eigen.eigenvalues.amax().max(f64::MIN_POSITIVE);
+    let free = (0..size).find(|i| eigen.eigenvalues[*i] <= least)?;
+    let motion = eigen.eigenvectors.column(free);
+    (0..size).max_by(|i, j| motion[*i].abs().total_cmp(&motion[*j].abs()))
 }
 
 /// Refuses parts of bodies that hang on the others by nodes alone and can turn about them. Local;
@@ -149,12 +162,61 @@ struct Bodies<'m> {
 }
 
 impl<'m> Bodies<'m> {
-    fn new(case: &Case, mesh: &'m MeshFacts) -> Self {
-        let holds = |interface: usize| case.interfaces[interface].law.law().holds_sliding(0.0);
-        let joints = mesh.joints.iter().filter(|joint| holds(joint.interface));
+    /// Those that the interfaces which are marked in `joins` make of the bodies of a mesh.
+    fn new(joins: &[bool], mesh: &'m MeshFacts) -> Self {
+        let joints = mesh.joints.iter().filter(|joint| joins[joint.interface]);
         let group = groups(mesh.bodies, joints.map(|joint| joint.bodies));
         let count = group.iter().max().map_or(0, |last| last + 1);
         Self { mesh, group, count }
+    }
+
+    /// A group of bodies that can move, and the number of its motion. What is pressed on a contact
+    /// counts as held along the normal. Collective.
+    fn first_free(
+        &self,
+        comm: &Comm,
+        joins: &[bool],
+        all: &Discretization,
+        resistance: &[f64],
+    ) -> Option<(usize, usize)> {
+        let motions = self.motions();
+        let groups = resistance.chunks_exact(motions * motions);
+        let alone = groups.enumerate().find_map(|(group, sums)| {
+            let number = free_motion(DMatrix::from_row_slice(motions, motions, sums))?;
+            Some((group, number))
+        })?;
+        let size = self.count * motions;
+        if size > MOST_MOTIONS {
+            return Some(alone);
+        }
+        let mut whole = DMatrix::<f64>::zeros(size, size);
+        for (group, sums) in resistance.chunks_exact(motions * motions).enumerate() {
+            let own = DMatrix::from_row_slice(motions, motions, sums);
+            whole.view_mut((group * motions, group * motions), own.shape()).copy_from(&own);
+        }
+        let mut pressed = vec![0.0; size * size];
+        let normal = all.dim - 1;
+        for rows in &all.secondary[..all.owned_secondary()] {
+            let Some(row) = &rows.rows[normal] else { continue };
+            if joins[rows.interface] {
+                continue;
+            }
+            let mut jump = DVector::<f64>::zeros(size);
+            for (unknown, a) in row.coefficients(rows.own(normal)) {
+                let (node, c) = (unknown as usize / all.dim, unknown as usize % all.dim);
+                let group = self.group[all.nodes.marks[node].body as usize];
+                for number in 0..motions {
+                    let moved = |node: u32| self.moved(number, all.nodes.points[node as usize]);
+                    let moved = all.frames.unknowns(node as u32, moved)[c];
+                    jump[group * motions + number] += a * moved;
+                }
+            }
+            let of_node = &jump * jump.transpose();
+            pressed.iter_mut().zip(of_node.iter()).for_each(|(sum, v)| *sum += v);
+        }
+        comm.sum(&mut pressed);
+        whole += DMatrix::from_column_slice(size, size, &pressed);
+        free_motion(whole).map(|place| (place / motions, place % motions))
     }
 
     fn motions(&self) -> usize {

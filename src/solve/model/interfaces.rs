@@ -57,9 +57,14 @@ pub struct InterfaceState {
     pub factors: Vec<f64>,
     /// Gap at each node before anything moves, along the normal (m).
     pub gaps: Vec<f64>,
+    /// Largest equivalent jump that the damage at the start stands for (m).
+    pub initial: Vec<f64>,
+    /// Jump at each node from which results count (m); empty where it is 0.
+    pub(super) origin: Vec<[f64; 3]>,
     /// Largest equivalent jump at the last accepted state (m).
     pub committed: Vec<f64>,
-    /// Energy per area dissipated up to the last accepted state (J/m2), without friction.
+    /// Energy per area dissipated up to the last accepted state (J/m2), without friction; with that
+    /// of the damage at the start.
     pub dissipated: Vec<f64>,
     /// Sliding and friction at the last accepted state.
     pub sliding: Vec<Sliding>,
@@ -81,9 +86,9 @@ pub struct InterfaceState {
 }
 
 impl InterfaceState {
-    /// The undamaged, unloaded state of the owned nodes, of which `nodes` tells.
+    /// The unloaded state of the owned nodes, of which `nodes` tells.
     pub fn new(all: &Discretization, laws: Vec<JointLaw>, nodes: NodeData) -> Self {
-        let NodeData { factors, gaps } = nodes;
+        let NodeData { factors, gaps, damages } = nodes;
         let owned = factors.len();
         let rest = NodeResponse {
             bulk_traction: [0.0; 3],
@@ -101,6 +106,8 @@ impl InterfaceState {
             laws,
             factors,
             gaps,
+            initial: vec![0.0; owned],
+            origin: Vec::new(),
             committed: vec![0.0; owned],
             dissipated: vec![0.0; owned],
             sliding: vec![Sliding::default(); owned],
@@ -116,7 +123,23 @@ impl InterfaceState {
         }
         state.accepted = (0..owned).map(|index| state.augmented(all, index)).collect();
         state.base.clone_from(&state.accepted);
+        state.damage(all, &damages);
         state
+    }
+
+    /// Gives the nodes the history of their damage at the start. Local.
+    fn damage(&mut self, all: &Discretization, damages: &[f64]) {
+        for index in (0..damages.len()).filter(|index| damages[*index] > 0.0) {
+            let rows = &all.secondary[index];
+            let law = self.laws[rows.interface].spec.law();
+            let history = law.history_of_damage(damages[index]).unwrap_or(0.0);
+            (self.initial[index], self.committed[index]) = (history, history);
+            let (law, p) = (self.law_at(index, rows), to_local(self.accepted[index], self.dim));
+            let dissipated = law.dissipated(history);
+            let branch = law.respond(p, 0.0, self.past(index), self.dim).branch;
+            self.dissipated[index] = dissipated;
+            (self.response[index].branch, self.response[index].history) = (branch, history);
+        }
     }
 
     /// The law at the secondary node of an index, which `rows` belong to. Local.
@@ -209,17 +232,20 @@ impl InterfaceState {
         std::array::from_fn(|c| bulk_traction[c] + r * jump[c])
     }
 
-    /// The largest traction over the strength of its interface, compression left out; 0 where it is
-    /// no more than rounding beside the compression. Collective.
+    /// The largest part that is taken up of what a point bears before it gives way: of the
+    /// strength, compression left out, and where it is damaged of its reach; 0 where it is no more
+    /// than rounding beside the compression. Collective.
     pub fn share_of_strength(&self, comm: &Comm, all: &Discretization) -> f64 {
         let mut largest = [0.0_f64; 2];
         for (index, response) in self.response.iter().enumerate() {
             let law = self.law_at(index, &all.secondary[index]);
             let Some(strength) = law.strength() else { continue };
             let t = to_local(response.bulk_traction, self.dim);
-            for (largest, normal) in largest.iter_mut().zip([t[0].max(0.0), t[0]]) {
-                *largest = largest.max(normal.hypot(t[1]).hypot(t[2]) / strength);
-            }
+            let jump = to_local(response.jump, self.dim);
+            let [pulled, all] =
+                [t[0].max(0.0), t[0]].map(|normal| normal.hypot(t[1]).hypot(t[2]) / strength);
+            let reached = law.part_of_reach(jump, self.committed[index]);
+            largest = [largest[0].max(reached.unwrap_or(pulled)), largest[1].max(all)];
         }
         comm.max(&mut largest);
         if largest[0] > 1e-8 * largest[1] { largest[0] } else { 0.0 }

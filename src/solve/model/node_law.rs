@@ -94,6 +94,11 @@ impl<'a> NodeLaw<'a> {
         self.law.strength().map(|strength| self.factor * strength)
     }
 
+    /// As [`InterfaceLaw::part_of_reach`].
+    pub fn part_of_reach(&self, jump: Local, history: f64) -> Option<f64> {
+        self.law.part_of_reach(jump, history)
+    }
+
     /// As [`InterfaceLaw::dissipated`].
     pub fn dissipated(&self, history: f64) -> f64 {
         self.factor * self.law.dissipated(history)

@@ -1,5 +1,6 @@
 //! Energy: stored, dissipated, and the work of supports and loads.
 
+use super::Prestress;
 use crate::solve::Problem;
 
 /// Energies of an accepted state (J; 2D: per metre of thickness).
@@ -42,6 +43,7 @@ pub(super) fn potential_as_accepted(problem: &Problem<'_>) -> Option<f64> {
         .take(all.nodes.owned * dim)
         .map(|((force, load), u)| 0.5 * u * (force + load) - u * load)
         .sum();
+    sum += of_prestress(problem);
     let (mut is_pressed_in, moved) = (false, problem.convergence.current().displacement);
     for (index, response) in state.response.iter().enumerate() {
         let rows = &all.secondary[index];
@@ -49,7 +51,8 @@ pub(super) fn potential_as_accepted(problem: &Problem<'_>) -> Option<f64> {
         is_pressed_in |= jump[0] < -PRESSED_IN * moved;
         let law = state.law_at(index, rows);
         let stored = law.recoverable(jump, state.committed[index]);
-        sum += rows.law_weight(dim) * (stored + state.dissipated[index]);
+        let dissipated = state.dissipated[index] - state.dissipated_before(all, index);
+        sum += rows.law_weight(dim) * (stored + dissipated);
     }
     let mut sums = [sum];
     problem.comm.sum(&mut sums);
@@ -66,6 +69,7 @@ fn held(problem: &Problem<'_>, load: &[f64]) -> [f64; 2] {
     let forces = problem.bulk_force.iter().zip(load).zip(&problem.displacement);
     let owned = forces.take(all.nodes.owned * dim);
     let mut stored: f64 = owned.map(|((force, load), u)| 0.5 * u * (force + load)).sum();
+    stored += of_prestress(problem);
     let mut dissipated = 0.0;
     let state = &problem.interfaces;
     for (index, response) in state.response.iter().enumerate() {
@@ -74,10 +78,24 @@ fn held(problem: &Problem<'_>, load: &[f64]) -> [f64; 2] {
         let weight = rows.law_weight(dim);
         let jump = crate::solve::model::interfaces::to_local(response.jump, dim);
         let (before, from) = (state.dissipated[index], state.committed[index]);
-        dissipated += weight * law.dissipated_after(before, from, response.history, jump);
+        let after = law.dissipated_after(before, from, response.history, jump);
+        dissipated += weight * (after - state.dissipated_before(all, index));
         stored += weight * law.recoverable(jump, response.history);
     }
     [stored, dissipated]
+}
+
+/// What stresses of stages with other stiffnesses add to this rank's part of the energy of the bulk
+/// (J).
+fn of_prestress(problem: &Problem<'_>) -> f64 {
+    let of = |prestress: &Prestress| prestress.energy(&problem.all, &problem.displacement);
+    problem.prestress.as_ref().map_or(0.0, of)
+}
+
+/// What the stresses at the start add to this rank's part of the energy of the bulk (J).
+fn of_stress_at_start(problem: &Problem<'_>) -> f64 {
+    let force = problem.initial_stress.iter().flat_map(|stress| &stress.force);
+    force.zip(&problem.displacement).map(|(force, u)| force * u).sum()
 }
 
 /// What does work between two accepted states.
@@ -90,13 +108,25 @@ pub(in crate::solve) struct Work {
     pub(in crate::solve) pore_force: Vec<f64>,
     /// Their work.
     pub(in crate::solve) of_fluid: f64,
+    /// Stored, dissipated and taken by friction where earlier stages had multipliers and this one
+    /// has none (J).
+    pub(in crate::solve) elsewhere: [f64; 3],
+    /// Elastic energy of the state from which results count (J).
+    pub(in crate::solve) elastic_at_start: f64,
 }
 
 impl Work {
     /// At rest, with `size` owned components.
     pub fn new(size: usize) -> Self {
         let (displacement, force) = (vec![0.0; size], vec![0.0; size]);
-        Self { displacement, force, total: 0.0, pore_force: Vec::new(), of_fluid: 0.0 }
+        let (pore_force, elsewhere) = (Vec::new(), [0.0; 3]);
+        let (total, of_fluid, elastic_at_start) = (0.0, 0.0, 0.0);
+        Self { displacement, force, total, pore_force, of_fluid, elsewhere, elastic_at_start }
+    }
+
+    /// Lets energies count from the state that was accepted last, which stores `elastic`. Local.
+    pub fn count_from_here(&mut self, elastic: f64) {
+        (self.total, self.of_fluid, self.elastic_at_start) = (0.0, 0.0, elastic);
     }
 
     /// Energies of the state that `problem` evaluated last and its interfaces have committed; its
@@ -105,6 +135,12 @@ impl Work {
         let (all, dim) = (&problem.all, problem.all.dim);
         let mut load = problem.load.clone();
         all.nodes.add_to_owners(&mut load, dim);
+        // The stresses at the start are no load: their work is stored.
+        if let Some(stress) = &problem.initial_stress {
+            let mut force = stress.force.clone();
+            all.nodes.add_to_owners(&mut force, dim);
+            load.iter_mut().zip(&force).for_each(|(load, force)| *load += force);
+        }
         let mut pore_force = problem.pore_force.clone();
         if !pore_force.is_empty() {
             all.nodes.add_to_owners(&mut pore_force, dim);
@@ -127,13 +163,23 @@ impl Work {
                 self.force[i] = force;
             }
         }
+        let mut sums = [work, of_fluid];
+        problem.comm.sum(&mut sums);
+        self.total += sums[0];
+        self.of_fluid += sums[1];
+        let (external, fluid) = (self.total, self.of_fluid);
+        let [elastic, dissipated, friction] = self.energies(problem);
+        Energy { elastic, dissipated, external, friction, fluid }
+    }
+
+    /// What the state that `problem` evaluated last stores, has dissipated and has lost to friction
+    /// (J). Collective.
+    pub fn energies(&self, problem: &Problem<'_>) -> [f64; 3] {
         let [stored, dissipated] = held(problem, &problem.applied());
         let friction = problem.interfaces.sliding.iter().map(|node| node.energy).sum();
-        let mut sums = [stored, dissipated, work, of_fluid, friction];
+        let mut sums = [stored + of_stress_at_start(problem), dissipated, friction];
         problem.comm.sum(&mut sums);
-        self.total += sums[2];
-        self.of_fluid += sums[3];
-        let (external, fluid) = (self.total, self.of_fluid);
-        Energy { elastic: sums[0], dissipated: sums[1], external, friction: sums[4], fluid }
+        sums[0] -= self.elastic_at_start;
+        std::array::from_fn(|i| sums[i] + self.elsewhere[i])
     }
 }

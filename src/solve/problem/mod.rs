@@ -6,6 +6,7 @@
 
 mod areas;
 pub mod block_tangent;
+mod carried;
 pub(in crate::solve) mod condensed;
 pub(in crate::solve) mod convergence;
 mod cycles;
@@ -20,11 +21,13 @@ mod residual;
 pub(in crate::solve) mod saddle;
 mod unsymmetric;
 
+pub use carried::{Prestress, Release};
 pub use energy::Energy;
 pub use known_pressure::KnownPressure;
 pub(super) use predictor::{Onset, Prediction};
 pub use reactions::reactions;
 
+use std::borrow::Cow;
 use std::rc::Rc;
 
 use crate::assembly::{Discretization, NodeState, Tangent};
@@ -37,6 +40,7 @@ use crate::petsc::Verdict;
 use crate::signals::Pulse;
 use crate::solve::guess::energy_projection::EnergyProjection;
 use crate::solve::guess::rigid::RigidMotions;
+use crate::solve::model::StressAtStart;
 use crate::solve::model::interfaces::InterfaceState;
 use crate::solve::model::linear::LinearTarget;
 use crate::timers::Timers;
@@ -82,12 +86,22 @@ pub struct Problem<'a> {
     pub(super) areas: Areas,
     /// Displacements of all local nodes at the last evaluated state (m).
     pub displacement: Vec<f64>,
-    /// Load of this rank's cells at the target time, per local node, not summed (N).
+    /// Displacements of all local nodes from which those of results count (m); empty where these
+    /// are the same.
+    pub origin: Vec<f64>,
+    /// Load of this rank's cells at the target time, less the forces of the stresses at the start,
+    /// per local node, not summed (N).
     pub load: Vec<f64>,
+    /// Stresses that are there at the start.
+    pub initial_stress: Option<StressAtStart>,
     /// Forces of the pore pressure, likewise (N); empty without one.
     pub pore_force: Vec<f64>,
     /// The pore pressure, where it is a load.
     pub known_pressure: Option<KnownPressure>,
+    /// Reactions of supports that an earlier stage had.
+    pub release: Option<Release>,
+    /// Stresses that stay from stages with other stiffnesses.
+    pub prestress: Option<Prestress>,
     /// Out-of-balance force of the bulk alone at owned nodes: K u - load - pore force (N).
     pub bulk_force: Vec<f64>,
     /// The same with the tractions of the interfaces (N): zero where nothing is prescribed, the
@@ -173,11 +187,6 @@ impl<'a> Problem<'a> {
             mesh,
         } = parts;
         let components = all.nodes.len() * all.dim;
-        let mut of_all = vec![0.0; components];
-        all.add_diagonal(&mut of_all);
-        all.nodes.add_to_owners(&mut of_all, all.dim);
-        let of_nodes = of_all[..all.nodes.owned * all.dim].chunks_exact(all.dim);
-        let stiffness = of_nodes.map(|k| k.iter().fold(0.0, |m: f64, k| m.max(*k))).collect();
         Self {
             comm,
             timers,
@@ -187,12 +196,16 @@ impl<'a> Problem<'a> {
             linear,
             form,
             diagonal,
-            stiffness,
+            stiffness: stiffness_of_nodes(&all),
             areas: Areas::new(comm, &all, mesh.order),
             displacement: vec![0.0; components],
+            origin: Vec::new(),
             load: vec![0.0; components],
+            initial_stress: None,
             pore_force: Vec::new(),
             known_pressure: None,
+            release: None,
+            prestress: None,
             known_jumps: Vec::new(),
             bulk_force: vec![0.0; components],
             balance: vec![0.0; components],
@@ -218,6 +231,15 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// The force of a support on an unknown of an owned node (N), also of one that an earlier stage
+    /// had; none where there is no support. Local.
+    pub fn support_force(&self, node: usize, component: usize) -> Option<f64> {
+        let unknown = node * self.all.dim + component;
+        let released = || self.release.as_ref().map(|release| release.at(unknown));
+        let is_prescribed = self.all.prescribed[node][component];
+        if is_prescribed { Some(self.balance[unknown]) } else { released() }
+    }
+
     /// Largest stiffness of a cell against one displacement (N/m). Local, the same on all ranks.
     pub(super) fn stiffness(&self) -> f64 {
         self.diagonal
@@ -226,6 +248,16 @@ impl<'a> Problem<'a> {
     /// The levels of multigrid, where it is the solver.
     pub fn hierarchy(&self) -> Option<&Hierarchy> {
         if let TangentForm::Levels(hierarchy) = &self.form { Some(hierarchy) } else { None }
+    }
+
+    /// Displacements of all local nodes since the start, whose stresses may have had to be brought
+    /// into equilibrium (m). Local.
+    pub fn displacement_since_start(&self) -> Cow<'_, [f64]> {
+        if self.origin.is_empty() {
+            return Cow::Borrowed(&self.displacement);
+        }
+        let pairs = self.displacement.iter().zip(&self.origin);
+        Cow::Owned(pairs.map(|(u, origin)| u - origin).collect())
     }
 
     /// Sets the load to that at `time`, of which path following takes its part. Collective.
@@ -241,6 +273,12 @@ impl<'a> Problem<'a> {
         });
         self.comm.agree(added)?;
         self.all.frames.fold(&mut self.load);
+        if let Some(release) = &mut self.release {
+            release.add(time, &mut self.load);
+        }
+        if let Some(stress) = &self.initial_stress {
+            self.load.iter_mut().zip(&stress.force).for_each(|(load, force)| *load -= force);
+        }
         if let Some(known) = &mut self.known_pressure {
             self.comm.agree(known.set(time))?;
             self.pore_force = known.forces(&self.all);
@@ -347,4 +385,13 @@ impl<'a> Problem<'a> {
             std::mem::swap(state, spare);
         }
     }
+}
+
+/// The largest stiffness of each owned node (N/m). Collective.
+fn stiffness_of_nodes(all: &Discretization) -> Vec<f64> {
+    let mut of_all = vec![0.0; all.nodes.len() * all.dim];
+    all.add_diagonal(&mut of_all);
+    all.nodes.add_to_owners(&mut of_all, all.dim);
+    let of_nodes = of_all[..all.nodes.owned * all.dim].chunks_exact(all.dim);
+    of_nodes.map(|k| k.iter().fold(0.0, |most: f64, k| most.max(*k))).collect()
 }

@@ -346,7 +346,9 @@ impl Sums {
         let response = node.response();
         // What the law dissipates has the factor of the node.
         let weight = node.rows().law_weight(node.all.dim) * node.state.factors[node.index];
-        self.weight += weight * of.full;
+        // What the damage at the start stands for is not to be dissipated any more.
+        let before = of.law.dissipated(node.state.initial[node.index]);
+        self.weight += weight * (of.full - before);
         // The law's jump; the history is its size, and follows the displacement's.
         let own: [f64; 3] = std::array::from_fn(|c| response.jump[c] - response.defect[c]);
         let size = own.iter().map(|w| w * w).sum::<f64>().sqrt();
@@ -354,7 +356,7 @@ impl Sums {
         let breaks_now =
             response.branch.is_separated() && node.state.committed[node.index] < of.critical;
         let (value, rate) = of.value_and_rate(response.history, breaks_now.then_some(size));
-        self.value += weight * value;
+        self.value += weight * (value - before);
         if !(grows || of.breaks && breaks_now) {
             return;
         }

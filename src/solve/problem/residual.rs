@@ -1,7 +1,7 @@
 //! Forces of a state and the residual of the condensed form (docs/theory.md, section 4).
 
 use super::measure::Scales;
-use super::{Problem, TangentForm, condensed};
+use super::{Prestress, Problem, TangentForm, condensed};
 use crate::assembly::CellSet;
 use crate::interface::JumpRows;
 use crate::timers::Phase;
@@ -15,6 +15,9 @@ impl Problem<'_> {
         nodes.update_ghosts(&mut self.displacement, dim);
         self.bulk_force.iter_mut().zip(&self.load).for_each(|(f, l)| *f = -l);
         self.bulk_force.iter_mut().zip(&self.pore_force).for_each(|(f, p)| *f -= p);
+        if let Some(Prestress { force, .. }) = &self.prestress {
+            self.bulk_force.iter_mut().zip(force).for_each(|(f, stress)| *f += stress);
+        }
         let (u, force) = (&self.displacement, &mut self.bulk_force);
         if !with_scales {
             self.all.add_forces(CellSet::All, u, force, None);
@@ -31,15 +34,24 @@ impl Problem<'_> {
             let length = load.iter().map(|l| l * l).sum::<f64>().sqrt();
             *magnitude = magnitude.max(length);
         }
+        // Stresses at the start too, whose forces cancel at the nodes.
+        if let Some(stress) = &self.initial_stress {
+            let of_stress = magnitude.iter_mut().zip(&stress.magnitude);
+            of_stress.for_each(|(magnitude, of_stress)| *magnitude += of_stress);
+        }
         let u = self.displacement[..x.len()].chunks_exact(dim);
         let mut scales = Scales::default();
         for ((u, force), stiffness) in u.zip(&magnitude).zip(&self.stiffness) {
             scales.see(*force, u, *stiffness);
         }
+        if let Some(stress) = &self.initial_stress {
+            scales.displacement = scales.displacement.max(stress.displacement);
+        }
         self.convergence.see_scales(self.comm, scales);
     }
 
-    /// Loads and forces of the pore pressure at owned nodes (N). Collective.
+    /// Loads, less the forces of the stresses at the start, and forces of the pore pressure at
+    /// owned nodes (N). Collective.
     pub(super) fn applied(&self) -> Vec<f64> {
         let mut applied = self.load.clone();
         applied.iter_mut().zip(&self.pore_force).for_each(|(l, p)| *l += p);

@@ -219,7 +219,8 @@ impl Stepper<'_> {
             )));
         }
         tracing::info!("  step from {time} to {target} failed: {why}; halved");
-        if time == self.case.start && !self.has_begun && self.ramp.is_none() {
+        let begins = self.stage > 0 || !self.has_begun;
+        if time == self.case.start && begins && self.ramp.is_none() {
             self.grow_until(way.instant)?;
         }
         way.size.step = 0.5 * (target - time);

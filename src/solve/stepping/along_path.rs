@@ -19,9 +19,9 @@ impl Stepper<'_> {
     /// which all loads are scaled: everything is linear up to there. Collective.
     pub(super) fn solve_path(&mut self, target: f64) -> Result<SolveReport> {
         self.start_on_path(target)?;
-        let undamaged = self.problem.interfaces.committed.iter().all(|kappa| *kappa == 0.0);
+        let is_as_at_start = self.problem.interfaces.committed == self.problem.interfaces.initial;
         let mut corrections = [0; 2];
-        if !self.problem.comm.any(!undamaged) {
+        if !self.problem.comm.any(!is_as_at_start) {
             let small = self.load_to(SMALL_FACTOR)?;
             let share = self.share_of_strength();
             if !small.reason.is_converged() || share == 0.0 {

@@ -109,7 +109,10 @@ impl Stepper<'_> {
             return None;
         }
         let found = potential(problem);
-        (found - most > EXCESS * found.abs().max(most.abs())).then(|| {
+        // Energies that errors within the tolerance of forces make are none.
+        let scales = problem.convergence.current();
+        let nothing = self.case.solver.tolerance * scales.force * scales.displacement;
+        (found - most > nothing + EXCESS * found.abs().max(most.abs())).then(|| {
             format!(
                 "the step from {} to {time} is too long: the state at its end, with a potential \
                  energy of {found:.4e} J, has used more than the loads can have given, which is \

@@ -1,10 +1,10 @@
 //! Loads that are there from the start, reached by steps.
 //!
 //! At the start of a case nothing acts yet; a value that is not zero then jumps within the first
-//! step, however short. Where that step fails, all that jumps grows in proportion to time from the
-//! start to the end of the step that was tried.
+//! step, however short. So does what a stage changes. Where that step fails, all that jumps grows
+//! in proportion to time from the start to the end of the step that was tried.
 
-use super::ramp::Ramp;
+use super::ramp::{Carried, Ramp};
 use super::{Coupling, Stepper};
 use crate::error::Result;
 
@@ -26,6 +26,10 @@ impl Stepper<'_> {
     /// # Errors
     /// `Input` when a formula gives no finite number.
     pub(in crate::solve) fn grow_until(&mut self, end: f64) -> Result<()> {
+        if let Some(Carried { jump, .. }) = &self.carried {
+            self.ramp = Some(Ramp { end, jump: jump.clone() });
+            return Ok(());
+        }
         self.problem.set_load(self.case.start)?;
         let mut jump = self.problem.load.clone();
         let initial = match &self.problem.known_pressure {
@@ -46,6 +50,22 @@ impl Stepper<'_> {
         let Some(ramp) = self.ramp.as_ref().filter(|_| part < 1.0) else { return Ok(()) };
         let load = self.problem.load.iter_mut();
         load.zip(&ramp.jump).for_each(|(load, jump)| *load -= (1.0 - part) * jump);
+        Ok(())
+    }
+
+    /// Sets the loads of an accepted state. At the start of a later stage they are those before the
+    /// jump. Collective.
+    ///
+    /// # Errors
+    /// `Input` when a formula gives no finite number.
+    pub(in crate::solve) fn set_accepted_load(&mut self) -> Result<()> {
+        let path = self.problem.path.as_ref();
+        let time = path.map_or(self.time, |path| path.load_time(self.time));
+        self.set_load(time, self.part_at(time))?;
+        let starts = self.time == self.case.start;
+        if let Some(Carried { jump, .. }) = self.carried.as_ref().filter(|_| starts) {
+            self.problem.load.iter_mut().zip(jump).for_each(|(load, jump)| *load -= jump);
+        }
         Ok(())
     }
 

@@ -7,6 +7,7 @@ mod branching;
 mod descent;
 mod doubts;
 mod growth;
+mod lifted;
 mod persist;
 mod ramp;
 mod rounding;
@@ -17,6 +18,7 @@ mod step_state;
 mod words;
 
 pub use bifurcation::Bifurcation;
+pub use ramp::Carried;
 pub use step_state::{FluidState, MOST_COUNTED, StepState};
 
 use std::time::Duration;
@@ -74,6 +76,10 @@ pub struct Stepper<'a> {
     pub bifurcations: Vec<Bifurcation>,
     /// What else is to be said of accepted states.
     pub remarks: Vec<String>,
+    /// Stages of the case before this one.
+    pub stage: usize,
+    /// What this one has from them.
+    pub(super) carried: Option<Carried>,
     /// Where what jumps at the start has to grow.
     ramp: Option<Ramp>,
     /// Forces of the pressures at the start, per local node, not summed (N).
@@ -130,6 +136,8 @@ impl<'a> Stepper<'a> {
             instabilities,
             bifurcations,
             remarks: Vec::new(),
+            stage: 0,
+            carried: None,
             ramp: None,
             initial_pore_force: Vec::new(),
             tries_smaller_steps,
@@ -202,10 +210,16 @@ impl<'a> Stepper<'a> {
         let mut x = self.x.write()?;
         self.problem.all.for_prescribed(|node, component| {
             let nodes = &self.problem.all.nodes;
-            let at = |time| self.supports.value(nodes, node, component, time);
-            x[node * self.problem.all.dim + component] = match part {
+            let unknown = node * self.problem.all.dim + component;
+            // What is prescribed counts from where results do.
+            let origin = self.problem.origin.get(unknown).copied().unwrap_or(0.0);
+            let at = |time| -> Result<f64> {
+                Ok(origin + self.supports.value(nodes, node, component, time)?)
+            };
+            let before = self.carried.as_ref().map_or(0.0, |carried| carried.start[unknown]);
+            x[unknown] = match part {
                 1.0 => at(time)?,
-                _ => at(time)? - (1.0 - part) * at(start)?,
+                _ => at(time)? - (1.0 - part) * (at(start)? - before),
             };
             Ok(())
         })

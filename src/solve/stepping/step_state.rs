@@ -14,12 +14,18 @@ pub struct StepState {
     pub step: Option<f64>,
     /// Energies: elastic, dissipated, external (J).
     pub energy: [f64; 4],
+    /// Stored, dissipated and taken by friction where earlier stages had multipliers (J).
+    #[serde(default)]
+    pub elsewhere: [f64; 3],
     /// What the fluid has done so far.
     #[serde(default)]
     pub fluid: FluidState,
     /// Whether the equilibrium at the start has been found (`initial.equilibrium`).
     #[serde(default)]
     pub has_begun: bool,
+    /// Elastic energy of the state from which results count (J).
+    #[serde(default)]
+    pub elastic_at_start: f64,
     /// Until when what jumps at the start grows, where it has to (s).
     #[serde(default)]
     pub ramp: Option<f64>,
@@ -110,8 +116,9 @@ impl StepState {
             }
         }
         let fluid: [f64; 7] = self.fluid.into();
-        let numbers = self.energy.iter().chain(&fluid);
-        let numbers = numbers.chain(&self.load_factor).chain(&self.ramp).chain([&self.time]);
+        let numbers = self.energy.iter().chain(&self.elsewhere).chain(&fluid);
+        let numbers = numbers.chain(&self.load_factor).chain(&self.ramp);
+        let numbers = numbers.chain([&self.time, &self.elastic_at_start]);
         if let Some(number) = numbers.copied().find(|number| !number.is_finite()) {
             return wrong("state", number);
         }

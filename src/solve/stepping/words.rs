@@ -18,7 +18,7 @@ pub(super) fn in_words(names: &[&str]) -> String {
 impl Stepper<'_> {
     /// What may lie behind a step that fails however small it is. Collective.
     pub(super) fn advice(&self) -> String {
-        if let Some(words) = self.sliding_bodies() {
+        if let Some(words) = self.sliding_bodies().or_else(|| self.lifted_bodies()) {
             return format!("\n{words}");
         }
         let gave_way = self.problem.convergence.interfaces_that_gave_way(self.problem.comm);
@@ -39,7 +39,7 @@ impl Stepper<'_> {
             return String::new();
         }
         let holds: Vec<bool> = gave_way.iter().map(|gave_way| !gave_way).collect();
-        let free = self.case.free_motions(&holds);
+        let free = self.case.free_motions(&holds, &vec![false; holds.len()]);
         let names: Vec<&str> = gone.iter().map(|interface| interface.name.as_str()).collect();
         let (first, is_one, names) = (names[0], names.len() == 1, in_words(&names));
         let whole = if is_one { "gives way over its" } else { "give way over their" };
@@ -75,32 +75,39 @@ impl Stepper<'_> {
             return Some(format!("at time {time} {words}"));
         }
         let problem = &self.problem;
-        let mut holds = vec![0.0; self.case.interfaces.len()];
-        let mut nodes = vec![0.0; holds.len()];
+        let count = self.case.interfaces.len();
+        // Of each interface: whether some point holds, whether some lips are closed, whether there
+        // are points at all.
+        let mut seen = vec![0.0; 3 * count];
         for (rows, response) in problem.all.secondary.iter().zip(&problem.interfaces.response) {
-            if rows.has_multiplier() {
-                nodes[rows.interface] = 1.0;
-                if !held::is_separated(&problem.interfaces, rows.interface, response) {
-                    holds[rows.interface] = 1.0;
+            let is_separated = held::is_separated(&problem.interfaces, rows.interface, response);
+            let here = [!is_separated, response.branch.is_closed(), true];
+            for (kind, here) in here.into_iter().enumerate() {
+                if here && rows.has_multiplier() {
+                    seen[kind * count + rows.interface] = 1.0;
                 }
             }
         }
-        problem.comm.max(&mut holds);
-        problem.comm.max(&mut nodes);
-        let holds: Vec<bool> =
-            holds.iter().zip(&nodes).map(|(h, n)| *h > 0.0 || *n == 0.0).collect();
+        problem.comm.max(&mut seen);
+        let is = |kind: usize, interface: usize| seen[kind * count + interface] > 0.0;
+        let holds: Vec<bool> = (0..count).map(|i| is(0, i) || !is(2, i)).collect();
         if holds.iter().all(|holds| *holds) {
             return self.loose_bodies(time);
         }
-        let free = self.case.free_motions(&holds);
-        if free.is_empty() {
+        let presses: Vec<bool> = (0..count).map(|i| is(1, i)).collect();
+        let free = self.case.free_motions(&holds, &presses);
+        let gone: Vec<usize> = (0..count).filter(|i| !holds[*i] && !presses[*i]).collect();
+        if free.is_empty() || gone.is_empty() {
             return self.loose_bodies(time);
         }
-        let broken = self.case.interfaces.iter().zip(&holds).filter(|(_, holds)| !**holds);
-        let names: Vec<&str> = broken.map(|(interface, _)| interface.name.as_str()).collect();
+        let interfaces = gone.iter().map(|i| &self.case.interfaces[*i]);
+        let names: Vec<&str> =
+            interfaces.clone().map(|interface| interface.name.as_str()).collect();
         let (have, their) = if names.len() == 1 { ("has", "its") } else { ("have", "their") };
+        let is_cohesive = interfaces.clone().all(|i| i.law.law().strength().is_some());
+        let broke = if is_cohesive { "ruptured" } else { "opened" };
         Some(format!(
-            "at time {time} {} {have} ruptured over {their} whole area: {}",
+            "at time {time} {} {have} {broke} over {their} whole area: {}",
             in_words(&names),
             free.join("; ")
         ))

@@ -1,25 +1,24 @@
 //! A run from instant to instant: solves, writes, and tells how it ended.
 
-use std::path::Path;
+mod close;
 
 use super::checkpoint::{Keeper, Progress};
 use super::fields::FieldWriter;
+use super::probes::LocatedProbe;
 use super::run_state::RunState;
+use super::same_model::with_columns;
 use super::solution::Solution;
-use super::summary::{Measured, linear_solver, modelled, unused_options};
-use super::{page, probes, screen};
+use super::{history, probes, screen};
 use crate::case::{Case, Fields};
 use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::fault;
-use crate::output::directory::{HISTORY, OutputDirectory, REPORT};
+use crate::output::directory::{HISTORY, OutputDirectory};
 use crate::output::finite::check_row;
 use crate::output::history::{History, Table};
 use crate::output::publisher::Publisher;
 use crate::output::series::Instant;
-use crate::report::expectations::{Outcome, evaluate};
-use crate::report::{Report, Status, tables, versions};
-use crate::runtime::Runtime;
+use crate::report::{Report, tables};
 use crate::solve::{Accepted, Model};
 use crate::timers::{Phase, Timers};
 
@@ -31,7 +30,7 @@ pub struct Session<'a> {
     /// None where the results stay in memory.
     directory: Option<OutputDirectory>,
     /// Columns and earlier rows, until the history is made.
-    table: Table,
+    table: Option<Table>,
     /// On rank 0.
     history: Option<History>,
     /// Corrections and linear iterations so far.
@@ -68,7 +67,7 @@ impl<'a> Session<'a> {
         let fresh = Table { columns: case.columns(), rows: Vec::new() };
         let keeper = Keeper::new(case.output.checkpoint);
         let (table, counts, residual_norms, accepted, fields) = match state {
-            Some(s) => (s.history, s.counts, s.residual_norms, s.accepted, s.fields),
+            Some(s) => (rows(s.history, case), s.counts, s.residual_norms, s.accepted, s.fields),
             None => (fresh, [0; 2], Vec::new(), 0, Vec::new()),
         };
         let folder = directory.as_ref().map(OutputDirectory::fields).unwrap_or_default();
@@ -80,7 +79,7 @@ impl<'a> Session<'a> {
             timers,
             case,
             directory,
-            table,
+            table: Some(table),
             history,
             fields,
             publisher,
@@ -92,51 +91,75 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Solves and writes every instant that is left. Collective.
-    pub fn solve(&mut self, model: &mut Model<'_>) -> Result<()> {
-        let created = if self.comm.is_root() {
-            let table = std::mem::take(&mut self.table);
-            match &self.directory {
-                Some(directory) => History::resume(directory.history(), table).map(Some),
-                None => Ok(Some(History::in_memory(table))),
-            }
-        } else {
-            Ok(None)
-        };
-        self.history = self.comm.agree(created)?;
-        let solved = self.instants(model);
+    /// Solves and writes the instants that are left of the first `end` ones; the last of them
+    /// leaves a checkpoint. Collective.
+    pub fn solve(&mut self, model: &mut Model<'_>, end: usize) -> Result<()> {
+        self.open()?;
+        let solved = self.instants(model, end);
         let _phase = self.timers.enter(Phase::Output);
         let stopped = matches!(solved, Err(Error::Stopped(_)));
         let last = self.solution.last_time(self.case, model, self.accepted);
-        if stopped && !self.keeper.is_current(last) {
+        if (stopped || solved.is_ok()) && !self.keeper.is_current(last) {
             self.write_checkpoint(model)?;
         }
-        let flushed = self.history.as_ref().map_or(Ok(()), History::flush);
-        let published = self.comm.agree(self.publisher.finish().and(flushed));
+        if solved.is_ok() && end < self.case.time.len() {
+            return Ok(());
+        }
+        let published = self.finish();
         // What ended the run is told, not what came of it; a stop promises a checkpoint.
         if stopped { published.and(solved) } else { solved.and(published) }
     }
 
-    fn instants(&mut self, model: &mut Model<'_>) -> Result<()> {
+    /// Makes the history, once. Collective.
+    fn open(&mut self) -> Result<()> {
+        let Some(table) = self.table.take() else { return Ok(()) };
+        let created = match &self.directory {
+            _ if !self.comm.is_root() => Ok(None),
+            Some(directory) => History::resume(directory.history(), table).map(Some),
+            None => Ok(Some(History::in_memory(table))),
+        };
+        self.history = self.comm.agree(created)?;
+        Ok(())
+    }
+
+    /// Brings all that was written to the disk. Collective.
+    fn finish(&mut self) -> Result<()> {
+        let flushed = self.history.as_ref().map_or(Ok(()), History::flush);
+        self.comm.agree(self.publisher.finish().and(flushed))
+    }
+
+    /// Goes on with the model of the next stage, whose states come from `solution`. Local.
+    pub fn enter(&mut self, solution: Solution) {
+        let folder = self.directory.as_ref().map(OutputDirectory::fields).unwrap_or_default();
+        let written = std::mem::take(&mut self.fields.written);
+        self.fields = FieldWriter::new(self.case, &folder, written);
+        self.solution = solution;
+    }
+
+    /// Ends between two stages, where `error` keeps the next one from beginning: that error, with
+    /// what of the results is valid. Collective.
+    pub fn leave(mut self, error: Error) -> Error {
+        if let Err(cause) = self.finish() {
+            tracing::warn!("warning: {cause}");
+        }
+        self.with_place(error)
+    }
+
+    fn instants(&mut self, model: &mut Model<'_>, end: usize) -> Result<()> {
         let probes = probes::locate(self.comm, self.case, &model.mesh)?;
         let names: Vec<String> = self.case.interfaces.iter().map(|i| i.name.clone()).collect();
         tracing::info!("{}", tables::instant_header(&names));
+        self.begin(model, &probes, &names)?;
         let progress = screen::Progress::new(self.comm.is_root(), self.case.time.len());
-        for (number, time) in self.case.time.iter().enumerate().skip(self.accepted) {
+        for (number, time) in self.case.time.iter().enumerate().take(end).skip(self.accepted) {
             let accepted = self.advance(model, number)?;
             self.counts[0] += accepted.newton_iterations as u64;
             self.counts[1] += accepted.linear_iterations as u64;
             self.residual_norms.push(accepted.residual_norm);
             let _phase = self.timers.enter(Phase::Output);
             let (comm, case) = (self.comm, self.case);
-            let mut row = self.solution.row(comm, case, model, &probes, number, &accepted);
-            fault::strike_values(self.comm, "row", row.iter_mut().flatten())?;
-            self.check_row(*time, &row)?;
-            let pushed = match &mut self.history {
-                Some(history) => history.push(row),
-                None => Ok(()),
-            };
-            self.comm.agree(pushed)?;
+            let row = self.solution.row(comm, case, model, &probes, number, &accepted);
+            self.push(*time, row)?;
             fault::strike(self.comm, "history")?;
             if self.writes_fields(*time) {
                 let instant = Instant { step: number + 1, time: *time };
@@ -155,6 +178,41 @@ impl<'a> Session<'a> {
                 self.write_ahead(model)?;
             }
         }
+        Ok(())
+    }
+
+    /// Adds the row of a state that is finite. Collective.
+    fn push(&mut self, time: f64, mut row: Vec<Option<f64>>) -> Result<()> {
+        fault::strike_values(self.comm, "row", row.iter_mut().flatten())?;
+        self.check_row(time, &row)?;
+        let pushed = match &mut self.history {
+            Some(history) => history.push(row),
+            None => Ok(()),
+        };
+        self.comm.agree(pushed)
+    }
+
+    /// Finds the state at the start where stresses are there before, and adds its row. Collective.
+    fn begin(
+        &mut self,
+        model: &mut Model<'_>,
+        probes: &[LocatedProbe],
+        names: &[String],
+    ) -> Result<()> {
+        let timers = self.timers;
+        let begun = {
+            let _phase = timers.enter(Phase::Solve);
+            model.stepper.begin()?
+        };
+        let Some(accepted) = begun else { return Ok(()) };
+        self.counts[0] += accepted.newton_iterations as u64;
+        self.counts[1] += accepted.linear_iterations as u64;
+        let _phase = timers.enter(Phase::Output);
+        let (comm, case) = (self.comm, self.case);
+        let row = history::row(case, model, probes, case.start, &accepted, comm);
+        self.push(case.start, row)?;
+        let instants = self.history.iter().flat_map(|h| tables::instants(h.table(), names, 0));
+        instants.for_each(|instant| tracing::info!("{}", tables::instant_line(&instant, names)));
         Ok(())
     }
 
@@ -212,101 +270,6 @@ impl<'a> Session<'a> {
             }
     }
 
-    /// Compares with the expectations and writes the report, and the page if it is wanted, also
-    /// when the solution failed. Collective.
-    pub fn close(
-        mut self,
-        runtime: &Runtime,
-        model: &Model<'_>,
-        solved: Result<()>,
-        wants_page: bool,
-    ) -> Result<Ended> {
-        let outcomes = if solved.is_ok() { self.outcomes() } else { Ok(Vec::new()) };
-        let outcomes = self.comm.agree(outcomes)?;
-        let met = !self.comm.any(outcomes.iter().any(|o| !o.met));
-        let measured = Measured::of(self.comm, self.timers, model);
-        let warnings = unused_options(runtime)?;
-        for warning in &warnings {
-            tracing::warn!("warning: {warning}");
-        }
-        let message = solved.as_ref().err().map(ToString::to_string);
-        let ending = Ending { status: status(&solved, met), message, outcomes };
-        let report = self.report(runtime, model, ending, measured)?;
-        let written = self.write(report.as_ref(), wants_page.then_some(&warnings[..]));
-        if let (Some(report), Ok(())) = (&report, &written) {
-            screen::close(report, self.directory.as_ref().map(OutputDirectory::path));
-        }
-        if let (Err(_), Err(error)) = (&solved, &written) {
-            tracing::warn!("warning: {error}");
-        }
-        solved.map_err(|error| self.with_place(error)).and(written)?;
-        Ok(Ended { met, told: report.zip(self.history.map(History::into_table)) })
-    }
-
-    /// The report, on rank 0. Collective.
-    fn report(
-        &mut self,
-        runtime: &Runtime,
-        model: &Model<'_>,
-        ending: Ending,
-        measured: Measured,
-    ) -> Result<Option<Report>> {
-        let linear_solver = linear_solver(runtime, model)?;
-        fault::strike_values(self.comm, "report", &mut self.residual_norms)?;
-        let Some(history) = &self.history else { return Ok(None) };
-        let stepper = &model.stepper;
-        let names: Vec<String> = self.case.interfaces.iter().map(|i| i.name.clone()).collect();
-        Ok(Some(Report {
-            status: ending.status,
-            message: ending.message,
-            title: self.case.title.clone(),
-            ranks: self.comm.size() as usize,
-            model: modelled(self.case),
-            reduction: self.solution.reduction().clone(),
-            cells: measured.cells,
-            unknowns: model.unknowns,
-            newton_iterations: self.counts[0],
-            linear_iterations: self.counts[1],
-            residual_norms: self.residual_norms.clone(),
-            instabilities: stepper.instabilities_in_words(),
-            bifurcations: stepper.bifurcations_in_words(),
-            remarks: stepper.remarks(),
-            linear_solver,
-            timings: measured.timings,
-            peak_memory_bytes: measured.memory,
-            partition: measured.partition,
-            instants: tables::instants(history.table(), &names, 0),
-            expectations: ending.outcomes,
-            versions: versions(),
-            case: self.case.resolved(),
-        }))
-    }
-
-    /// Writes the report and, with the `warnings` that it is to hold, the page. Collective; rank 0
-    /// has a report.
-    fn write(&self, report: Option<&Report>, warnings: Option<&[String]>) -> Result<()> {
-        let written = match (report, &self.directory) {
-            (Some(report), Some(directory)) => report.write(&directory.report()),
-            (Some(report), None) => report.check(Path::new(REPORT)),
-            (None, _) => Ok(()),
-        };
-        self.comm.agree(written)?;
-        warnings.map_or(Ok(()), |warnings| self.write_page(report, warnings))
-    }
-
-    /// Collective; rank 0 has a report.
-    fn write_page(&self, report: Option<&Report>, warnings: &[String]) -> Result<()> {
-        fault::strike(self.comm, "page")?;
-        let written = match (report, &self.history, &self.directory) {
-            (Some(report), Some(history), Some(directory)) => {
-                let path = directory.page();
-                page::write(&path, report, history.table(), self.case, warnings)
-            }
-            _ => Ok(()),
-        };
-        self.comm.agree(written)
-    }
-
     /// Adds to a failure of the numerics what of the results is valid.
     fn with_place(&self, error: Error) -> Error {
         let Some(directory) = &self.directory else { return error };
@@ -326,31 +289,12 @@ impl<'a> Session<'a> {
             other => other,
         }
     }
-
-    /// The verdict on every expectation, on rank 0. Local.
-    fn outcomes(&self) -> Result<Vec<Outcome>> {
-        let Some(history) = &self.history else { return Ok(Vec::new()) };
-        let expect = self.case.expect.iter();
-        expect
-            .map(|e| evaluate(history.table(), &e.quantity, e.at, e.equals, e.relative, e.absolute))
-            .collect()
-    }
 }
 
-/// How a run ended.
-struct Ending {
-    status: Status,
-    /// Why, when it did not end well.
-    message: Option<String>,
-    outcomes: Vec<Outcome>,
-}
-
-/// The status of a run in which all expectations were `met` or not.
-fn status(solved: &Result<()>, met: bool) -> Status {
-    match (solved, met) {
-        (Err(Error::Stopped(_)), _) => Status::Stopped,
-        (Err(_), _) => Status::Failed,
-        (Ok(()), false) => Status::ExpectationMissed,
-        (Ok(()), true) => Status::Done,
+/// The rows of an earlier run under the columns of the case.
+fn rows(history: Table, case: &Case) -> Table {
+    if history.rows.is_empty() {
+        return Table { columns: case.columns(), rows: Vec::new() };
     }
+    with_columns(&history, case).unwrap_or(history)
 }

@@ -1,0 +1,220 @@
+//! Cracks, gaps and apertures that are there at the start.
+
+use crate::blocks::{Block, Blocks, even};
+use crate::scene::{SOLVERS, Scene};
+
+const LINEAR: &str = "{linear_softening: {strength: 1.0e6, fracture_energy: 1000}}";
+
+#[test]
+fn shipped_columns_start_damaged_or_apart() {
+    for (case, order, ranks, side) in [
+        ("crack/damaged.yaml", 1, 1, "lower"),
+        ("crack/damaged.yaml", 2, 3, "upper"),
+        ("crack/gap.yaml", 1, 2, "upper"),
+        ("crack/gap.yaml", 2, 1, "lower"),
+    ] {
+        let scene = Scene::shipped(case).set(&format!("mesh.order={order}"));
+        let scene = scene.set(&format!("solver.linear={}", SOLVERS[(order + ranks) % 5]));
+        let run = scene.set(&format!("interfaces.0.secondary={side}")).on(ranks);
+        assert_eq!(run.report["status"], "done", "{}", run.label);
+    }
+}
+
+/// A column of 2 m with a joint at mid height that is drawn, sheared, unloaded and pressed: `law`
+/// of the joint, `initial` state; `before` is what it goes through first, by instant (x, z).
+fn column(law: &str, initial: &str, before: &[[f64; 2]]) -> Scene {
+    let after = [[0.0, 1e-5], [1e-4, 2e-4], [0.0, -1e-4], [9e-4, 6e-4], [0.0, 0.0], [0.0, 3e-3]];
+    let ways: Vec<[f64; 2]> = before.iter().chain(&after).copied().collect();
+    let of = |c: usize| {
+        let rows = ways.iter().enumerate().map(|(t, way)| format!("[{}, {:e}]", t + 1, way[c]));
+        rows.collect::<Vec<_>>().join(", ")
+    };
+    let times: Vec<String> = (1..=ways.len()).map(|t| t.to_string()).collect();
+    let yaml = format!(
+        "
+mesh: {{column: {{size: [1, 2], bodies: [{{cells: [2, 1]}}, {{cells: [3, 1]}}]}}}}
+materials: {{rock: {{elastic: {{young_modulus: 1.0e10, poisson_ratio: 0}}}}}}
+interfaces: [{{name: joint, z: 1, law: {law}{initial}}}]
+boundary:
+  - {{on: bottom, displacement: {{x: 0, z: 0}}}}
+  - on: top
+    displacement: {{x: {{table: [[0, 0], {}]}}, z: {{table: [[0, 0], {}]}}}}
+time: {{instants: [{}]}}
+solver: {{stability: \"off\"}}
+",
+        of(0),
+        of(1),
+        times.join(", ")
+    );
+    Scene::new("start", &yaml)
+}
+
+/// With every law that softens: what starts with a damage goes on as what was loaded to it and
+/// unloaded.
+#[test]
+fn a_damage_at_the_start_is_as_good_as_one_from_loading() {
+    for (law, ranks) in [
+        (LINEAR, 1),
+        ("{exponential_softening: {strength: 1.0e6, fracture_energy: 1000}}", 2),
+        ("{bilinear: {strength: 1.0e6, fracture_energy: 1000, stiffness: 1.0e10}}", 1),
+        (
+            "{benzeggagh_kenane: {strength: 1.0e6, shear_strength: 1.5e6, fracture_energy: 1000, \
+             shear_fracture_energy: 1500, exponent: 2}}",
+            1,
+        ),
+        ("{linear_softening: {strength: 1.0e6, fracture_energy: 1000, friction: 0.5}}", 1),
+    ] {
+        let loaded = column(law, "", &[[0.0, 7e-4], [0.0, 0.0]]).in_any_steps().on(1);
+        let damage = loaded.column("joint.damage.mean")[1];
+        assert!(damage > 0.1 && damage < 0.9, "{law}: {damage}");
+        let initial = format!(", initial: {{damage: {damage:.17e}}}");
+        let given = column(law, &initial, &[]).in_any_steps().on(ranks);
+        let cost = loaded.column("energy.dissipated")[1];
+        for (name, scale) in [
+            ("joint.normal_traction.mean", 1e6),
+            ("joint.shear_traction_x.mean", 1e6),
+            ("joint.normal_jump.mean", 1e-3),
+            ("joint.sliding_x.mean", 1e-3),
+            ("joint.damage.mean", 1.0),
+            ("energy.dissipated", cost),
+        ] {
+            let off = if name == "energy.dissipated" { cost } else { 0.0 };
+            let pairs = loaded.column(name)[2..].to_vec().into_iter().zip(given.column(name));
+            for (row, (one, two)) in pairs.enumerate() {
+                let error = (one - off - two).abs();
+                assert!(error <= 1e-9 * scale, "{law} {name} row {row}: {one:e} {two:e}");
+            }
+        }
+    }
+}
+
+/// A crack up to x = 0.5 in blocks from a file that are those of a box, of either side, on any
+/// ranks, from a restart: the same history.
+#[test]
+fn a_crack_is_the_same_in_a_box_and_in_its_mesh_from_a_file_and_after_a_restart() {
+    let mut blocks = Blocks::default();
+    for (number, [name, below, above]) in
+        [["low", "bottom", "face"], ["high", "lip", "top"]].into_iter().enumerate()
+    {
+        let planes = vec![even(4, 1.0), even(2, 1.0)];
+        let place = |x: [f64; 3]| [x[0], x[1] + number as f64, 0.0];
+        let sides = [(1, false, below), (1, true, above)];
+        blocks.add(&Block { name, planes: &planes, order: 1, place: &place, sides: &sides });
+    }
+    let rest = |mesh: &str, place: &str, up: &str, on: &str| {
+        format!(
+            "
+mesh: {mesh}
+materials: {{rock: {{{on}elastic: {{young_modulus: 1.0e10, poisson_ratio: 0.2}}}}}}
+interfaces:
+  - {{name: joint, {place}, law: {LINEAR}, initial: {{damage: {{formula: \"x < 0.4\"}}}}}}
+boundary:
+  - {{on: bottom, displacement: {{x: 0, {up}: 0}}}}
+  - {{on: top, displacement: {{x: 0, {up}: {{table: [[0, 0], [1, 1.0e-4], [2, -1.0e-4], [3, 1.0e-3], [4, 4.0e-3]]}}}}}}
+time: {{instants: [1, 2, 3, 4]}}
+"
+        )
+    };
+    let column = "{column: {size: [1, 2], cells: [4, 4]}}";
+    let of_box = Scene::new("box", &rest(column, "z: 1", "z", "")).in_any_steps();
+    let one = of_box.on(1);
+    assert_eq!((one.column("joint.damage.min")[0], one.column("joint.damage.max")[0]), (0.0, 1.0));
+    let opened = one.column("joint.normal_jump.max")[0];
+    assert!(opened > 1e-5, "the crack opens: {opened}");
+    one.assert_same(&of_box.set("interfaces.0.secondary=lower").on(1), 1e-8);
+    one.assert_same(&of_box.scattered().on(3), 1e-8);
+    one.assert_same(&of_box.stopped(1, "history:0:term:2", 2), 1e-8);
+    let stages = of_box.set("stages=[{until: 2}, {until: 4}]");
+    one.assert_same(&stages.stopped(2, "history:1:term:3", 1), 1e-8);
+    let mesh = format!("{{file: \"{}\"}}", blocks.write());
+    let of_file = rest(&mesh, "between: [face, lip]", "y", "on: [low, high], ");
+    let imported = Scene::new("file", &of_file).in_any_steps().on(2);
+    for name in ["joint.normal_traction.max", "joint.normal_jump.max", "joint.damage.mean"] {
+        let scale = one.column(name).into_iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        imported.assert_column(name, &one.column(name), 0.0, 1e-8 * scale);
+    }
+}
+
+/// What a crack over part of an interface has broken before is no part of the path: its time is the
+/// dissipated part of what is left.
+#[test]
+fn a_path_by_dissipation_goes_on_from_a_crack() {
+    let scene = Scene::new(
+        "path",
+        &format!(
+            "
+mesh: {{column: {{size: [1, 12], bodies: [{{cells: [4, 6]}}, {{cells: [4, 6]}}]}}}}
+materials: {{rock: {{elastic: {{young_modulus: 5.0e9, poisson_ratio: 0}}}}}}
+interfaces:
+  - {{name: joint, z: 6, law: {LINEAR}, initial: {{damage: {{formula: \"x < 0.4\"}}}}}}
+boundary:
+  - {{on: bottom, displacement: {{x: 0, z: 0}}}}
+  - {{on: top, displacement: {{x: 0, z: 1}}}}
+control: {{dissipation: {{of: joint, step: 0.1}}}}
+time: {{instants: [1]}}
+"
+        ),
+    );
+    let run = scene.in_any_steps().on(1);
+    let left: Vec<f64> = run.column("time").iter().map(|part| part * 1000.0 * 0.625).collect();
+    run.assert_column("energy.dissipated", &left, 1e-6, 1e-6);
+    let damage = run.column("joint.damage.mean");
+    assert!((damage[0] - 0.375).abs() < 1e-9 && damage[damage.len() - 1] > 1.0 - 1e-9);
+    assert!(run.column("load_factor").iter().all(|factor| *factor > 0.0));
+}
+
+/// Lips that touch let fluid pass and store it by the aperture that they have.
+#[test]
+fn closed_lips_with_an_aperture_follow_the_cubic_law() {
+    let scene = Scene::new(
+        "aperture",
+        "
+mesh: {column: {size: [2, 1], bodies: [{cells: [4, 2]}, {cells: [6, 3]}]}}
+materials:
+  rock:
+    elastic: {young_modulus: 1.0e12, poisson_ratio: 0}
+    porous: {biot: 1.0e-6, porosity: 1.0e-6, permeability: 1.0e-16, viscosity: 1.0e-3,
+             fluid_compressibility: 0, fluid_density: 1000, density: 2300}
+interfaces:
+  - {name: joint, z: 0.5, law: {tied: {}}, fluid: {flow: true}, initial: {aperture: 1.0e-4}}
+boundary:
+  - {on: bottom, displacement: {x: 0, z: 0}}
+  - {on: top, displacement: {x: 0, z: 0}}
+  - {on: left, pressure: 100}
+  - {on: right, pressure: 0}
+time: {instants: [1000, 2000, 3000]}
+probes: [{name: quarter, at: [0.5, 0.5]}]
+",
+    );
+    let exact = (1e-12 / 12e-3 + 1e-16 / 1e-3) * 100.0 / 2.0;
+    let open = "{contact: {}}, initial: {gap: 6.0e-5, aperture: 4.0e-5}";
+    for (scene, ranks) in [
+        (scene.clone(), 1),
+        (scene.set("mesh.order=2"), 2),
+        (
+            scene.set(&format!(
+                "interfaces.0={{name: joint, z: 0.5, fluid: {{flow: true}}, law: {open}}}"
+            )),
+            2,
+        ),
+    ] {
+        let run = scene.on(ranks);
+        let mass = run.column("mass.in");
+        let rate = (mass[2] - mass[1]) / 1000.0 / 1000.0;
+        assert!((rate - exact).abs() <= 1e-5 * exact, "{}: {rate} {exact}", run.label);
+        assert!((run.column("quarter.pressure")[2] - 75.0).abs() < 1e-3, "{}", run.label);
+    }
+}
+
+/// A body that only a crack joins to the others is refused before anything is solved, also where a
+/// formula says so.
+#[test]
+fn bodies_that_nothing_holds_are_refused() {
+    for damage in ["1", "{formula: \"x < 9\"}"] {
+        let scene = column(LINEAR, &format!(", initial: {{damage: {damage}}}"), &[]);
+        let loose = scene.set("boundary.1={on: top, traction: {z: 1.0e3}}");
+        let failure = loose.attempt(2).err().expect("a refusal");
+        assert_eq!(failure.status, Some(2), "{}", failure.complaint);
+        assert!(failure.complaint.contains("can move freely"), "{}", failure.complaint);
+    }
+}
