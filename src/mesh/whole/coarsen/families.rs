@@ -87,12 +87,11 @@ impl<'a> Joiner<'a> {
             axis < dim && self.cubes.beyond(first, inner(own, axis)).is_some()
         });
         let mut family = Family { corners: [NONE; 8], children: Vec::new() };
-        let mut ways = vec![(first, way)];
+        let mut ways = vec![(first, own, way)];
         is_joined[first as usize] = true;
         let mut next = 0;
-        while let Some((cell, way)) = ways.get(next).copied() {
+        while let Some((cell, own, way)) = ways.get(next).copied() {
             next += 1;
-            let own = usize::from(kept[cell as usize]);
             for axis in 0..dim {
                 let beyond = self.cubes.beyond(cell, inner(own, axis));
                 if beyond.is_some() != is_halved[way[axis].axis] {
@@ -100,8 +99,8 @@ impl<'a> Joiner<'a> {
                 }
                 let Some(other) = beyond else { continue };
                 if !std::mem::replace(&mut is_joined[other.cell as usize], true) {
-                    let there = self.way_of(cell, &way, axis, other.cell, kept)?;
-                    ways.push((other.cell, there));
+                    let (of_other, there) = self.way_of((cell, own, &way), axis, other.cell)?;
+                    ways.push((other.cell, of_other, there));
                 }
             }
             family.children.push(self.child(cell, own, &way, &is_halved, &mut family.corners)?);
@@ -112,12 +111,17 @@ impl<'a> Joiner<'a> {
         is_whole.then_some(family)
     }
 
-    /// How a part lies that is reached along a local axis of another.
-    fn way_of(&self, cell: u32, way: &Way, axis: usize, other: u32, kept: &[u8]) -> Option<Way> {
+    /// The kept corner of a part that is reached along a local axis of another, and how it lies.
+    fn way_of(
+        &self,
+        (cell, own, way): (u32, usize, &Way),
+        axis: usize,
+        other: u32,
+    ) -> Option<(usize, Way)> {
         let (cubes, full) = (self.cubes, self.cubes.full());
-        let [own, of_other] = [cell, other].map(|cell| usize::from(kept[cell as usize]));
         // Both have the middle, and its neighbours on their common side.
-        let middle = full ^ of_other;
+        let at = cubes.node(cell, full ^ own);
+        let middle = (0..=full).find(|corner| cubes.node(other, *corner) == at)?;
         let mut found = [None; 3];
         for (along, side) in way.iter().enumerate().take(cubes.shape.dim()) {
             if along != axis {
@@ -127,7 +131,7 @@ impl<'a> Joiner<'a> {
             }
         }
         let turned = Side { axis: way[axis].axis, is_high: !way[axis].is_high };
-        Some(found.map(|side| side.unwrap_or(turned)))
+        Some((full ^ middle, found.map(|side| side.unwrap_or(turned))))
     }
 
     /// A part with its places; its kept corners go into those of the coarser cell.

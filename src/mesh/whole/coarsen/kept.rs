@@ -18,7 +18,9 @@ pub struct Cubes<'a> {
     /// For each place of a facet that of the facet on its other side, or none.
     pub mates: &'a [u32],
     /// For each place of a facet whether a wall is there.
-    pub is_wall: &'a [bool],
+    pub is_wall: Vec<bool>,
+    /// For each cell its local axes, as bits, along which it is not joined to others.
+    pub long: Vec<u8>,
     /// The shape of the cells, of first order.
     pub shape: Shape,
     pub sides: Vec<Side>,
@@ -36,6 +38,17 @@ impl Cubes<'_> {
     /// The node at a corner of a cell, given by bits.
     pub fn node(&self, cell: u32, of_bits: usize) -> u32 {
         self.view.cell_nodes(cell as usize)[bits(of_bits)]
+    }
+
+    /// The mean length of the edges of a cell along a local axis (m).
+    pub fn length(&self, cell: u32, axis: usize) -> f64 {
+        let starts = (0..=self.full()).filter(|corner| corner >> axis & 1 == 0);
+        let length = |corner: usize| {
+            let ends = [corner, corner | 1 << axis].map(|end| self.node(cell, end));
+            let [p, q] = ends.map(|node| self.view.points[node as usize]);
+            (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f64>().sqrt()
+        };
+        starts.map(length).sum::<f64>() / (self.shape.nodes() / 2) as f64
     }
 
     /// The facet on the other side of one, without a wall between them.
@@ -67,7 +80,7 @@ impl Cubes<'_> {
     /// one. False where they contradict each other.
     pub fn spread(&self, cells: &[u32], of_first: usize, kept: &mut [u8]) -> bool {
         cells.iter().for_each(|cell| kept[*cell as usize] = UNKNOWN);
-        kept[cells[0] as usize] = of_first as u8;
+        kept[cells[0] as usize] = (of_first & !self.long_axes(cells[0])) as u8;
         let mut front = vec![cells[0]];
         while let Some(cell) = front.pop() {
             for facet in self.view.facets(cell as usize) {
@@ -110,6 +123,12 @@ impl Cubes<'_> {
         let nodes = &self.view.cell_nodes(other.cell as usize)[..self.shape.nodes()];
         let found = bits(nodes.iter().position(|node| *node == on_facet)?);
         let meets_there = here.has(own) || self.is_wall[slot(facet)];
-        Some(if meets_there { found } else { found ^ 1 << there.axis })
+        let found = if meets_there { found } else { found ^ 1 << there.axis };
+        // Along these every corner is kept.
+        Some(found & !self.long_axes(other.cell))
+    }
+
+    fn long_axes(&self, cell: u32) -> usize {
+        usize::from(self.long[cell as usize])
     }
 }

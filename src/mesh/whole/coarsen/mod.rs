@@ -7,11 +7,13 @@
 
 mod below;
 mod bits;
+mod directions;
 mod families;
 mod kept;
 
 use below::Parts;
 use bits::Side;
+use directions::Directions;
 use families::{Family, Joiner, only_shape};
 use kept::{Cubes, UNKNOWN};
 
@@ -89,10 +91,11 @@ pub fn coarser(
     let shape = only_shape(&cells.shapes)?;
     let named = Named::new(file, cells);
     let is_wall = walls(cells, &named, table, mates);
-    let view = cells.view();
     let sides = Side::of_facets(shape);
-    let cubes = Cubes { view, mates, is_wall: &is_wall, shape, sides };
-    let families = families(&cubes)?;
+    let mut cubes = Cubes { view: cells.view(), mates, is_wall, long: Vec::new(), shape, sides };
+    let bodies = bodies(&cubes);
+    keep_long_layers(&mut cubes, &bodies)?;
+    let families = families(&cubes, bodies)?;
     if families.len() as f64 > FEWER * cells.shapes.len() as f64 {
         return None;
     }
@@ -162,22 +165,48 @@ fn walls(cells: &Cells, named: &Named, table: &FacetTable, mates: &[u32]) -> Vec
     is_wall
 }
 
+/// The cells that hang together by facets.
+fn bodies(cubes: &Cubes) -> Vec<Vec<u32>> {
+    let mut seen = vec![false; cubes.view.shapes.len()];
+    let mut bodies = Vec::new();
+    for first in 0..seen.len() {
+        if !seen[first] {
+            bodies.push(cubes.connected(first as u32, &mut seen));
+        }
+    }
+    bodies
+}
+
+/// The axes along which cells are not joined, which get walls; none where too many cells would
+/// become long.
+fn keep_long_layers(cubes: &mut Cubes, bodies: &[Vec<u32>]) -> Option<()> {
+    let mut directions = Directions::new(cubes);
+    let mut long = vec![0; cubes.view.shapes.len()];
+    if !bodies.iter().all(|body| directions.find_long(cubes, body, &mut long)) {
+        return None;
+    }
+    for (cell, axes) in long.iter().enumerate() {
+        for facet in cubes.view.facets(cell) {
+            let axis = cubes.sides[facet.facet as usize].axis;
+            cubes.is_wall[slot(facet)] |= axes >> axis & 1 == 1;
+        }
+    }
+    cubes.long = long;
+    Some(())
+}
+
 /// The coarser cells, with as few of them as can be.
-fn families(cubes: &Cubes) -> Option<Vec<Family>> {
+fn families(cubes: &Cubes, bodies: Vec<Vec<u32>>) -> Option<Vec<Family>> {
     let count = cubes.view.shapes.len();
     let mut uses = vec![0_u8; cubes.view.points.len()];
     for node in cubes.view.nodes {
         uses[*node as usize] = uses[*node as usize].saturating_add(1);
     }
-    let (mut seen, mut is_joined) = (vec![false; count], vec![false; count]);
+    let mut is_joined = vec![false; count];
     let mut kept = vec![UNKNOWN; count];
     let mut joiner = Joiner::new(cubes);
     let mut all = Vec::new();
-    for first in 0..count as u32 {
-        if seen[first as usize] {
-            continue;
-        }
-        let mut cells = cubes.connected(first, &mut seen);
+    for mut cells in bodies {
         // A corner of the body, most often.
         let lone =
             |cell: u32| (0..=cubes.full()).find(|c| uses[cubes.node(cell, *c) as usize] == 1);

@@ -161,3 +161,15 @@ fn cells_that_no_halving_made_have_no_coarser_mesh() {
     assert_eq!(counts(&star(3), &request()), [3, 12, 27]);
     assert_eq!(counts(&star(4), &request()), [3, 12, 48]);
 }
+
+#[test]
+fn layers_are_joined_until_cells_are_as_long_as_wide() {
+    let mut file = block(Kind::Hex8, [4, 4, 4]);
+    file.points.iter_mut().for_each(|p| p[0] *= 4.0);
+    for file in [scrambled(&file), file.clone()] {
+        assert_eq!(counts(&file, &request()), [2, 4, 16, 64]);
+    }
+    // Thin layers at one end only: joined, they would be longer still than wide.
+    file.points.iter_mut().for_each(|p| p[0] = 0.01 * (p[0] / 4.0).exp2());
+    assert_eq!(counts(&file, &request()), [64]);
+}
