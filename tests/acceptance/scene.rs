@@ -52,8 +52,7 @@ pub fn fresh() -> PathBuf {
     static NEXT: AtomicUsize = AtomicUsize::new(0);
     let number = NEXT.fetch_add(1, Ordering::Relaxed);
     let root = std::env::var_os("TMPDIR").unwrap_or_else(|| env!("CARGO_TARGET_TMPDIR").into());
-    let path =
-        Path::new(&root).join(format!("acceptance-{}-{number}", std::process::id()));
+    let path = Path::new(&root).join(format!("acceptance-{}-{number}", std::process::id()));
     fs::create_dir_all(&path).expect("the build directory is writable");
     path
 }
