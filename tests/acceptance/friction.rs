@@ -1,5 +1,9 @@
 //! Friction: when blocks start to slide, and the same answer from every form, solver and rank.
 
+use std::f64::consts::PI;
+
+use column_hpc::results::Directory;
+
 use crate::scene::{Kind, Run, Scene};
 
 const YOUNG: f64 = 1.0e9;
@@ -142,4 +146,74 @@ fn solvers_ranks_and_restarts_agree_and_energy_balances() {
     }
     let stopped = scene.stopped(2, "history:1:term:3", 3);
     assert_same(&one, &stopped, 1e-8);
+}
+
+/// Radius of the rounded block (m), coefficient, plane-strain modulus of both blocks together (Pa).
+const ROUND: f64 = 10.0;
+const RUBBING: f64 = 0.5;
+const TOGETHER: f64 = YOUNG / (2.0 * (1.0 - 0.3 * 0.3));
+
+/// A rounded block on a flat one, pressed and then pushed along, in a square of 2 m in `cells`
+/// squared.
+fn cattaneo_mindlin(cells: usize) -> Scene {
+    let yaml = format!(
+        "
+mesh: {{column: {{size: [2, 2], cells: [{cells}, {cells}]}}}}
+materials: {{steel: {{elastic: {{young_modulus: {YOUNG}, poisson_ratio: 0.3}}}}}}
+interfaces:
+  - name: contact
+    z: 1
+    law: {{contact: {{friction: {RUBBING}}}}}
+    initial: {{gap: {{formula: \"(x - 1)*(x - 1)/(2*{ROUND})\"}}}}
+boundary:
+  - {{on: bottom, displacement: {{x: 0, z: 0}}}}
+  - on: top
+    displacement:
+      x: {{table: [[1, 0], [3, 1.5e-3]]}}
+      z: {{table: [[0, 0], [1, -2.2e-3]]}}
+time: {{instants: [1, 2, 3]}}
+"
+    );
+    Scene::new("cattaneo_mindlin", &yaml)
+}
+
+/// Johnson, Contact Mechanics, section 7.2: under the forces P and Q the block sticks where |x| < c,
+/// c = a sqrt(1 - Q/(f P)), and around that slips under f p; the shear is f (p(x, a) - c/a p(x, c)).
+/// What is left is that the blocks end at eight times the half width.
+#[test]
+fn a_rounded_block_sticks_inside_and_slips_around() {
+    let mut errors = Vec::new();
+    for (cells, ranks) in [(80, 1), (160, 3)] {
+        let run = cattaneo_mindlin(cells).with_fields().on(ranks);
+        let fields = Directory::open(&run.directory).expect("results");
+        let series = fields.series("contact").expect("fields");
+        let edge = 2.0 / cells as f64;
+        let mut worst: f64 = 0.0;
+        for instant in [1, 2] {
+            let [p, q] = ["normal_traction", "shear_traction_x"]
+                .map(|name| 2.0 * run.column(&format!("contact.{name}.mean"))[instant].abs());
+            let a = (4.0 * p * ROUND / (PI * TOGETHER)).sqrt();
+            let c = a * (1.0 - q / (RUBBING * p)).sqrt();
+            let pressure = |x: f64, a: f64, top: f64| top * (1.0 - (x / a).powi(2)).max(0.0).sqrt();
+            let top = RUBBING * 2.0 * p / (PI * a);
+            let fields = series.at(instant as f64 + 1.0).expect("fields");
+            let points = fields.points().expect("points");
+            let tractions = fields.at_points("traction").expect("tractions");
+            let slips = fields.at_points("slip").expect("slips");
+            let (mut off, mut sticks) = (0.0, 0.0_f64);
+            for ((point, traction), slip) in points.iter().zip(tractions.rows()).zip(slips.rows()) {
+                let x = point[0] - 1.0;
+                let exact = pressure(x, a, top) - pressure(x, c, top * c / a);
+                off += edge * (traction[0].abs() - exact).abs() / (RUBBING * p);
+                if traction[2] < -1e-3 * top && slip[0] < 1e-12 {
+                    sticks = sticks.max(x.abs());
+                }
+            }
+            println!("{cells} cells: shear off by {off:.4}, sticks to {sticks:.4} of {c:.4} m");
+            assert!((sticks - c).abs() < edge, "{sticks} {c}");
+            worst = worst.max(off);
+        }
+        errors.push(worst);
+    }
+    assert!(errors[0] < 0.04 && errors[1] < 0.4 * errors[0], "{errors:?}");
 }

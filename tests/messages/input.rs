@@ -77,7 +77,8 @@ const WRONG: &[Wrong] = &[
         to: "z: {table",
         says: "case.yaml:6:1: boundary leaves a body free: body 2 (between joint and the top) can \
                move freely: translation along x, translation along y, rotation about z; prescribe \
-               displacements that prevent it, or choose a law that holds",
+               displacements that prevent it, or choose a law that holds; a contact holds what is \
+               pressed on it along its normal, and nothing sideways without friction",
     },
     Wrong {
         from: "cells: [1, 1, 6]",

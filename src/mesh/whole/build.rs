@@ -3,13 +3,14 @@
 use super::along_axes::lay_along_axes;
 use super::bodies::bodies_of;
 use super::cells::{Cells, collect};
+use super::coarsen::{self, Coarser};
 use super::cut::{Copies, cut};
 use super::facet::WholeFacet;
 use super::facets::FacetTable;
 use super::groups::Groups;
 use super::hinges::hinges;
 use super::plan::{Known, Plan, plan};
-use super::refine::Refiner;
+use super::refine::{Parent, Refiner};
 use super::request::Request;
 use super::types::WholeMesh;
 use super::words::{count, wrong};
@@ -73,12 +74,18 @@ fn made(file: &FileMesh, request: &Request, keep: Keep) -> Result<Vec<WholeMesh>
     refine::check(&cells, request.refine)?;
     // What is wrong is told of the elements that are in the file.
     let found = Found::new(file, &cells, request)?;
+    let none = (Vec::new(), Vec::new());
+    let (mut meshes, parents) =
+        if keep == Keep::All { coarser(file, &cells, &found, request) } else { none };
     if request.refine == 0 {
-        return Ok(vec![cut_up(cells, found, request, remarks)?]);
+        meshes.push(WholeMesh { parents, ..cut_up(cells, found, request, remarks)? });
+        return Ok(meshes);
     }
-    let mut meshes = Vec::new();
     if keep == Keep::All {
-        meshes.extend(cut_up(cells.clone(), found, request, Vec::new()));
+        match cut_up(cells.clone(), found, request, Vec::new()) {
+            Ok(mesh) => meshes.push(WholeMesh { parents, ..mesh }),
+            Err(_) => meshes.clear(),
+        }
     }
     let (before, scale) = (cells.shapes.len(), 1.0);
     let request = Request { scale, ..request.clone() };
@@ -108,6 +115,34 @@ fn made(file: &FileMesh, request: &Request, keep: Keep) -> Result<Vec<WholeMesh>
     Ok(meshes)
 }
 
+/// The coarser meshes that the mesh of a file has of itself, coarsest first, and where the cells of
+/// the mesh lie in the last one.
+fn coarser(
+    file: &FileMesh,
+    cells: &Cells,
+    found: &Found,
+    request: &Request,
+) -> (Vec<WholeMesh>, Vec<Parent>) {
+    let is_second = cells.shapes.iter().any(|shape| shape.order() > 1);
+    let next = if is_second {
+        Some(coarsen::of_first_order(file, cells))
+    } else {
+        coarsen::coarser(file, cells, &found.table, &found.mates)
+    };
+    let made = next.and_then(|Coarser { file, cells, parents }| {
+        let request = Request { scale: 1.0, ..request.clone() };
+        let found = Found::new(&file, &cells, &request).ok()?;
+        let (mut meshes, of_these) = coarser(&file, &cells, &found, &request);
+        if is_second && meshes.is_empty() {
+            return None;
+        }
+        let mesh = cut_up(cells, found, &request, Vec::new()).ok()?;
+        meshes.push(WholeMesh { parents: of_these, ..mesh });
+        Some((meshes, parents))
+    });
+    made.unwrap_or_default()
+}
+
 /// The mesh of the file with facets divided where a case asks for that.
 fn divided(
     file: &FileMesh,
@@ -134,6 +169,7 @@ fn divided(
 /// What a case asks for, found in the cells of a mesh that is not cut yet.
 struct Found {
     materials: Vec<u32>,
+    table: FacetTable,
     mates: Vec<u32>,
     plans: Vec<Plan>,
     surfaces: Vec<surfaces::Found>,
@@ -159,7 +195,7 @@ impl Found {
         }
         doubled::check(cells, &mates, &plans, file)?;
         touching::check(cells, &mates, &plans)?;
-        Ok(Self { materials, mates, plans, surfaces, remarks })
+        Ok(Self { materials, table, mates, plans, surfaces, remarks })
     }
 }
 
@@ -170,7 +206,7 @@ fn cut_up(
     request: &Request,
     mut remarks: Vec<String>,
 ) -> Result<WholeMesh> {
-    let Found { materials, mut mates, plans, surfaces: of_request, remarks: more } = found;
+    let Found { materials, mut mates, plans, surfaces: of_request, remarks: more, .. } = found;
     remarks.extend(more);
     let cuts = plans.iter().filter(|plan| plan.is_cut).flat_map(|plan| plan.lips.iter().flatten());
     let cuts: Vec<WholeFacet> = cuts.copied().collect();

@@ -136,8 +136,8 @@ impl LinearChoice {
         if is_asked && case.mesh.file().is_some() && !mesh.has_coarser() {
             return Err(Error::Input(
                 "solver.linear multigrid needs coarser meshes, which the mesh of a file has where \
-                 mesh.refine makes it finer, or its cells are of second order; take auto, \
-                 aggregation or mumps"
+                 mesh.refine makes it finer, its cells are of second order, or it is made of \
+                 hexahedra (2D: quadrilaterals) in layers; take auto, aggregation or mumps"
                     .into(),
             ));
         }
@@ -241,8 +241,8 @@ impl LinearChoice {
         }
         let meshes = match (mesh.coarser.is_empty(), mesh.order) {
             (true, _) => "cells of first order",
-            (false, 1) => "coarser meshes, which refinement has left,",
-            (false, _) => "coarser meshes, which refinement has left, and cells of first order",
+            (false, 1) => "coarser meshes of the same bodies",
+            (false, _) => "coarser meshes and cells of first order",
         };
         let why = format!("{unknowns:.0} unknowns: {meshes} make iterations cheap and few");
         Some(Self::named(MULTIGRID, why))

@@ -15,9 +15,10 @@ use below::{Edges, Halves};
 use children::{Children, Order, PYRAMID_EDGES, second_order, second_order_nodes};
 
 use super::cells::{Cells, NONE};
+use super::named::Named;
 use super::raise::{Middles, fill_centres, fill_edges, fill_faces, make_room, mean, middles};
 use crate::element::{MAX_NODES, Shape};
-use crate::mesh::import::{Block, FileMesh, Kind};
+use crate::mesh::import::{FileMesh, Kind};
 
 /// Where a cell lies in the coarser one that it is a part of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,49 +30,19 @@ pub struct Parent {
 }
 
 /// A mesh that is made finer step by step, with its groups.
-pub struct Refiner<'f> {
-    file: &'f FileMesh,
+pub struct Refiner {
     cells: Cells,
     /// In which order each cell is refined if it is a tetrahedron.
     orders: Vec<Order>,
-    /// The elements of lower dimension, with the nodes of the cells.
-    below: Vec<Block>,
-    /// The numbers of the nodes of the file, which stay the first ones.
-    node_numbers: Vec<u64>,
-    node_groups: Vec<(u32, Vec<u32>)>,
+    /// What there is beside the cells.
+    named: Named,
 }
 
-impl<'f> Refiner<'f> {
+impl Refiner {
     /// Of a file and the cells that were taken out of it.
-    pub fn new(file: &'f FileMesh, cells: Cells) -> Self {
-        let dim = cells.dim();
-        let name = |node: &u32| cells.names[*node as usize];
-        let is_of_cells = |nodes: &[u32]| nodes.iter().all(|node| name(node) != NONE);
-        let mut below: Vec<Block> = Vec::new();
-        for block in file.blocks.iter().filter(|block| block.kind.dim() < dim) {
-            let (mut nodes, mut numbers, mut groups) = (Vec::new(), Vec::new(), Vec::new());
-            for (index, element) in block.nodes.chunks(block.kind.nodes()).enumerate() {
-                if is_of_cells(element) {
-                    nodes.extend(element.iter().map(name));
-                    numbers.push(block.numbers[index]);
-                    groups.push(block.groups[index]);
-                }
-            }
-            below.push(Block { kind: block.kind, nodes, numbers, groups });
-        }
-        let named = cells.names.iter().zip(&file.node_numbers);
-        let node_numbers = named.filter(|(name, _)| **name != NONE).map(|(_, number)| *number);
-        let node_groups = file.node_groups.iter().map(|(group, nodes)| {
-            (*group, nodes.iter().map(name).filter(|node| *node != NONE).collect())
-        });
-        Self {
-            file,
-            orders: vec![Order::Free; cells.shapes.len()],
-            below,
-            node_numbers: node_numbers.collect(),
-            node_groups: node_groups.collect(),
-            cells,
-        }
+    pub fn new(file: &FileMesh, cells: Cells) -> Self {
+        let named = Named::new(file, &cells);
+        Self { orders: vec![Order::Free; cells.shapes.len()], named, cells }
     }
 
     /// Halves every edge. Takes linear time and memory, up to a logarithm. The place of every new
@@ -81,7 +52,7 @@ impl<'f> Refiner<'f> {
         let (mut fine, parents, orders) = split(&mut self.cells, &self.orders);
         fine.edges = raise(&mut fine, &self.cells, &parents);
         fine.names = (0..fine.points.len() as u32).collect();
-        self.below = below::refine(&self.below, &halves, &fine.edges);
+        self.named.below = below::refine(&self.named.below, &halves, &fine.edges);
         (self.cells, self.orders) = (fine, orders);
         parents
     }
@@ -89,15 +60,7 @@ impl<'f> Refiner<'f> {
     /// The mesh as it is now: a file with the elements that are no cells, all of whose points are
     /// nodes of the cells, and the cells. Positions are in metres. The last one leaves nothing.
     pub fn mesh(&mut self, is_last: bool) -> (FileMesh, Cells) {
-        let file = FileMesh {
-            points: self.cells.points.clone(),
-            node_numbers: self.node_numbers.clone(),
-            blocks: self.below.clone(),
-            group_sets: self.cells.group_sets.clone(),
-            groups: self.file.groups.clone(),
-            node_groups: self.node_groups.clone(),
-            remarks: Vec::new(),
-        };
+        let file = self.named.file(&self.cells);
         let cells = &mut self.cells;
         (file, if is_last { std::mem::take(cells) } else { cells.clone() })
     }
@@ -183,7 +146,7 @@ fn raise(fine: &mut Cells, coarse: &Cells, parents: &[Parent]) -> Edges {
 }
 
 /// The kind of element that a shape of cells is.
-fn kind_of(shape: Shape) -> Kind {
+pub fn kind_of(shape: Shape) -> Kind {
     match shape {
         Shape::Line2 => Kind::Line2,
         Shape::Line3 => Kind::Line3,

@@ -2,6 +2,7 @@
 
 mod blocks;
 mod checks;
+mod coarsening;
 mod cutting;
 mod dividing;
 mod files;

@@ -16,7 +16,7 @@ fn refined(times: u32, request: Request) -> Request {
 
 /// A block of 4 x 4 x 2 in cells of this size, with a crossing, one of whose arms ends inside, and
 /// surfaces of every dimension.
-fn scene(kind: Kind, size: usize) -> FileMesh {
+pub fn scene(kind: Kind, size: usize) -> FileMesh {
     let mut file = block(kind, [4 / size, 4 / size, 2 / size]);
     file.points.iter_mut().flatten().for_each(|x| *x *= size as f64);
     group_facets(&mut file, "a", X, |p| p[0] == 2.0);
@@ -38,7 +38,7 @@ fn scene(kind: Kind, size: usize) -> FileMesh {
     file
 }
 
-fn asked(kind: Kind, order: u32) -> Request {
+pub fn asked(kind: Kind, order: u32) -> Request {
     let material = |name: &str| MaterialGroups { name: name.into(), groups: vec![name.to_owned()] };
     let names = ["a", "b", "side", "edge", "point", "nodes", "all"];
     let surfaces = names.iter().filter(|name| kind.dim() == 3 || **name != "edge");
