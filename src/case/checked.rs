@@ -62,6 +62,8 @@ pub struct Case {
     pub(super) surfaces: Vec<Surface>,
     /// The surfaces that have a prescribed displacement in some stage; none without stages.
     pub(super) supported: Vec<Surface>,
+    /// Those of them that are platens in some stage.
+    pub(super) rigid: Vec<Surface>,
     /// The stages, in their order: what else is said here of supports, loads and materials is that
     /// of the first one.
     pub stages: Vec<Stage>,

@@ -11,14 +11,14 @@ use super::model::interfaces::{InterfaceState, JointLaw};
 use super::model::linear::{AGGREGATION, LinearChoice, LinearTarget, MULTIGRID};
 use super::model::near_null_space::rigid_motions;
 use super::model::{
-    BoundaryValueProblem, NodeData, discretize, gaps, gaps_in_words, has_lost_facets, places,
-    starts, strength_factors,
+    BoundaryValueProblem, NodeData, Platens, discretize, gaps, gaps_in_words, has_lost_facets,
+    places, starts, strength_factors,
 };
 use super::problem::block_tangent::BlockTangent;
 use super::problem::convergence::Convergence;
 use super::problem::path::PathControl;
 use super::problem::saddle::SaddlePoint;
-use super::problem::{Problem, ProblemParts, TangentForm};
+use super::problem::{PlatenSystem, Problem, ProblemParts, TangentForm};
 use super::stepping::Stepper;
 use crate::assembly::{Discretization, Pattern, SaddleTangent, Tangent, TangentOperator};
 use crate::case::{Case, Control, Form};
@@ -61,6 +61,7 @@ pub fn build<'a>(
     coarser: Vec<LocalMesh>,
 ) -> Result<Model<'a>> {
     let comm = &runtime.comm;
+    let platens = Platens::new(comm, case, &problem)?;
     let BoundaryValueProblem { mesh, all, sides, supports, loads, initial_stress, mut remarks } =
         problem;
     let (dim, unknowns) = (case.dim, all.nodes.total * case.dim as u64);
@@ -107,6 +108,8 @@ pub fn build<'a>(
     });
     (problem.known_pressure, problem.initial_stress) = (known_pressure, initial_stress);
     problem.path = case.control.as_ref().map(|control| path(case, control));
+    let other = problem.convergence.other;
+    problem.platens = platens.map(|platens| PlatenSystem::new(platens, other));
     let mut stepper = Stepper::new(case, problem, snes, saddle, coupling, x, supports);
     stepper.remarks = remarks;
     let pressures = stepper.coupling.as_ref().map_or(0, |c| c.flow.space.nodes.total);

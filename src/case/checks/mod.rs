@@ -13,6 +13,7 @@ mod materials;
 mod mesh;
 mod planes;
 mod results;
+mod rigid;
 mod size;
 mod stress;
 mod supports;
@@ -75,6 +76,7 @@ impl Checker<'_> {
         let materials = self.materials(&file, &mesh);
         let interfaces = self.interfaces(&file, &mesh);
         let boundary = self.boundary(&file);
+        self.platens(&file, &boundary);
         let surfaces = self.surfaces(&boundary);
         let imperfections = self.imperfections(&file, &interfaces);
         let instants = self.time(&file);
@@ -101,7 +103,8 @@ impl Checker<'_> {
             axes: self.axes,
             knows_dimension: self.knows_dimension,
             surfaces,
-            supported: self.supported_in_stages(),
+            supported: self.supported_in_stages(0),
+            rigid: self.supported_in_stages(1),
             stages: Vec::new(),
             mesh,
             materials,

@@ -117,6 +117,7 @@ impl Case {
                 columns.push(format!("{of}.reaction_{axis}"));
             }
         }
+        columns.extend(self.columns_of_platens());
         for probe in &self.probes {
             for axis in self.axis_names() {
                 columns.push(format!("{}.displacement_{axis}", probe.name));
