@@ -88,6 +88,7 @@ impl Checker<'_> {
                 rigid,
             });
         }
+        self.platens(file, &entries);
         entries
     }
 
@@ -223,11 +224,7 @@ impl Checker<'_> {
                         continue;
                     };
                     if axis < 3 && (entry.is_carried(axis) || other.is_carried(axis)) {
-                        let reason = format!(
-                            "gives the displacement along {name} of nodes that it shares with                              boundary.{earlier} ({}), which gives it too; a platen moves all nodes                              of its surface: leave {name} out of one of them",
-                            other.on.name(),
-                        );
-                        self.add(&format!("boundary.{index}"), reason);
+                        self.beside_platen(index, (earlier, other), name);
                         continue;
                     }
                     let largest =

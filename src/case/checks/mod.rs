@@ -76,7 +76,6 @@ impl Checker<'_> {
         let materials = self.materials(&file, &mesh);
         let interfaces = self.interfaces(&file, &mesh);
         let boundary = self.boundary(&file);
-        self.platens(&file, &boundary);
         let surfaces = self.surfaces(&boundary);
         let imperfections = self.imperfections(&file, &interfaces);
         let instants = self.time(&file);
@@ -103,8 +102,7 @@ impl Checker<'_> {
             axes: self.axes,
             knows_dimension: self.knows_dimension,
             surfaces,
-            supported: self.supported_in_stages(0),
-            rigid: self.supported_in_stages(1),
+            supported: [0, 1].map(|kind| self.supported_in_stages(kind)),
             stages: Vec::new(),
             mesh,
             materials,

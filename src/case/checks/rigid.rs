@@ -18,7 +18,7 @@ const UNBOUND: &str = "a platen moves only the components it names";
 impl Case {
     /// The surfaces that are platens in some stage, in the order of their first entry.
     pub fn rigid_surfaces(&self) -> Vec<&Surface> {
-        let mut surfaces: Vec<&Surface> = self.rigid.iter().collect();
+        let mut surfaces: Vec<&Surface> = self.supported[1].iter().collect();
         for entry in self.boundary.iter().filter(|entry| entry.rigid.is_some()) {
             if !surfaces.contains(&&entry.on) {
                 surfaces.push(&entry.on);
@@ -176,6 +176,22 @@ impl Checker<'_> {
             displacement[axis] = Some(value);
         }
         displacement
+    }
+
+    /// A platen that meets what gives the displacement of its nodes too.
+    pub(super) fn beside_platen(
+        &mut self,
+        index: usize,
+        (earlier, other): (usize, &BoundarySpec),
+        axis: &str,
+    ) {
+        let reason = format!(
+            "gives the displacement along {axis} of nodes that it shares with boundary.{earlier} \
+             ({}), which gives it too; a platen moves all nodes of its surface: leave {axis} out of \
+             one of them",
+            other.on.name(),
+        );
+        self.add(&format!("boundary.{index}"), reason);
     }
 
     /// Two platens on one surface, a probe of the name of one, and what a platen that follows its

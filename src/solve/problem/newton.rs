@@ -221,8 +221,9 @@ impl Problem<'_> {
     /// Whether the states that the running linear solve leads to are of use to it. Local: the same
     /// on all ranks.
     fn is_tried(&self) -> bool {
-        // On a path, or with platens, the correction is not yet the whole one. The symmetric part alone leads
-        // elsewhere; and corrections that are broken off early can lead round in circles.
+        // On a path, or with platens, the correction is not yet the whole one. The symmetric part
+        // alone leads elsewhere; and corrections that are broken off early can lead round in
+        // circles.
         let is_whole = self.path.is_none() && !self.has_free_platens();
         is_whole && self.stall.1 < MOST_STALLED && !self.is_skew
     }
