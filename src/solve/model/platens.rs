@@ -4,7 +4,7 @@
 //! freedoms q of all platens; those that are free follow from the balance of each platen, R^T f = F
 //! with the forces f of the supports.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::BoundaryValueProblem;
 use crate::bulk::Loads;
@@ -14,6 +14,8 @@ use crate::error::{Error, Result};
 
 /// A freedom whose displacements are below this part of the size of the mesh turns nothing.
 const NOTHING: f64 = 1e-12;
+/// Motions that nodes tell apart by less than this part of others are not told apart.
+const LEAST: f64 = 1e-12;
 
 /// A motion of a platen: a translation along an axis, or a rotation about one through its centroid.
 #[derive(Debug, Clone)]
@@ -313,7 +315,53 @@ fn inverse(comm: &Comm, rows: &[Row], levers: &[f64]) -> DMatrix<f64> {
         }
     }
     comm.sum(gram.as_mut_slice());
-    let least = 1e-12 * gram.amax();
-    let inverse = gram.pseudo_inverse(least).unwrap_or_else(|_| DMatrix::zeros(size, size));
+    let inverse = pseudo_inverse(gram);
     DMatrix::from_fn(size, size, |i, j| scale(i) * inverse[(i, j)] * scale(j))
+}
+
+/// The inverse of a symmetric matrix, where it has one. The singular vectors of a matrix with equal
+/// singular values are less exact.
+fn pseudo_inverse(gram: DMatrix<f64>) -> DMatrix<f64> {
+    let size = gram.nrows();
+    let eigen = SymmetricEigen::new(gram);
+    let least = LEAST * eigen.eigenvalues.amax();
+    let mut inverse = DMatrix::<f64>::zeros(size, size);
+    for i in (0..size).filter(|i| eigen.eigenvalues[*i] > least) {
+        let vector = eigen.eigenvectors.column(i);
+        inverse += vector * vector.transpose() / eigen.eigenvalues[i];
+    }
+    inverse
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn motions_of_a_flat_surface_are_told_apart() {
+        // Translations, then rotations, of a grid of points in the plane z = 0.
+        for [rows, columns] in [[1, 4], [3, 3], [5, 5], [5, 9]] {
+            let mut gram = DMatrix::<f64>::zeros(6, 6);
+            let mut size = 0.0;
+            for at in 0..rows * columns {
+                let along = |i: usize, of: usize| i as f64 - 0.5 * (of as f64 - 1.0);
+                let lever = [along(at / columns, rows), along(at % columns, columns), 1e-19];
+                for axis in 0..3 {
+                    let moved = |k: usize| match k {
+                        0..3 => f64::from(u8::from(k == axis)),
+                        _ => turned(k - 3, axis, lever),
+                    };
+                    let row = DVector::from_fn(6, |k, _| moved(k));
+                    gram += &row * row.transpose();
+                }
+                size += 1.0;
+            }
+            let inverse = pseudo_inverse(gram.clone() / size);
+            // Points in a line do not turn about it.
+            let about_y = if rows == 1 { 0.0 } else { 0.7 };
+            let motion = DVector::from_vec(vec![0.3, -2.0, 1.0, 0.0, about_y, -0.2]);
+            let found = inverse * (gram / size) * &motion;
+            assert!((found - &motion).amax() < 1e-12, "{rows} x {columns}: {motion}");
+        }
+    }
 }

@@ -126,7 +126,7 @@ impl PlatenSystem {
             },
         };
         if let Some(words) = self.free_motion(&columns) {
-            if problem.convergence.accepted_force() == 0.0 {
+            if problem.convergence.accepted_force() == 0.0 && problem.corrections == 0 {
                 return Err(Error::Input(words));
             }
             self.failure = Some(words);
@@ -310,10 +310,41 @@ impl Problem<'_> {
         platens.load.iter().zip(&platens.free).map(|(load, k)| load * motions[*k]).sum()
     }
 
-    /// The mode in which platens soften at the state that was evaluated last, as far as the last
-    /// correction tells: what it finds does lower the energy. Without flow. Collective.
-    pub(in crate::solve) fn softening_of_platens(&self) -> Option<SofteningPlatens> {
-        let columns = self.platens.as_ref()?.columns.as_ref()?;
+    /// The mode in which platens soften at the state that was evaluated last. Without a `solve` with
+    /// the tangent there it is what the columns of the last correction tell. What is found does
+    /// lower the energy. Without flow. Collective.
+    ///
+    /// # Errors
+    /// Those of `solve`.
+    pub(in crate::solve) fn softening_of_platens(
+        &mut self,
+        solve: Option<&mut FurtherSolve<'_>>,
+    ) -> Result<Option<SofteningPlatens>> {
+        if !self.has_free_platens() {
+            return Ok(None);
+        }
+        let Some(mut system) = self.platens.take() else { return Ok(None) };
+        let mut columns = system.columns.take();
+        if let (None, Some(solve)) = (&columns, solve) {
+            let free = condensed::free_components(&self.all, &self.interfaces);
+            let found = system.columns(self, &free, &|problem, u| problem.forces_of(u), solve);
+            columns = match found {
+                Ok(found) => Some(found),
+                Err(error) => {
+                    self.platens = Some(system);
+                    return Err(error);
+                }
+            };
+        }
+        let softening = columns.as_ref().and_then(|columns| self.lowest_of(columns));
+        system.columns = columns;
+        self.platens = Some(system);
+        Ok(softening)
+    }
+
+    /// The mode of the columns that lowers the energy most, where the state is linearised.
+    /// Collective.
+    fn lowest_of(&self, columns: &Columns) -> Option<SofteningPlatens> {
         let forces: Vec<Vec<f64>> = columns.along.iter().map(|u| self.forces_of(u)).collect();
         let energies = energies(self, &columns.along, &forces);
         let count = columns.along.len();

@@ -36,10 +36,10 @@ impl Stepper<'_> {
         let problem = &mut self.problem;
         let softening = problem.interfaces.response.iter().any(softens);
         let softens = problem.comm.any(softening) && self.coupling.is_none();
-        let platens = if softens { problem.softening_of_platens() } else { None };
+        let known = if softens { problem.softening_of_platens(None)? } else { None };
         let tested = match self.case.solver.stability {
             Stability::Off => false,
-            Stability::Auto => (alarm || platens.is_some()) && self.saddle.is_none(),
+            Stability::Auto => (alarm || known.is_some()) && self.saddle.is_none(),
             Stability::Warn | Stability::Stop | Stability::Follow => true,
         } && problem.path.is_none()
             && self.coupling.is_none();
@@ -54,7 +54,10 @@ impl Stepper<'_> {
         let mut tangent = self.snes.tangent_at(problem, &x)?;
         let (comm, all, state) = (problem.comm, &problem.all, &problem.interfaces);
         let mut found = stability::test(comm, all, state, &mut tangent, problem.stiffness())?;
-        if let Some(SofteningPlatens { count, lowest, mode }) = platens {
+        let mut solve = |rhs: &[f64], x: &mut [f64]| tangent.solve(rhs, x);
+        if let Some(of) = problem.softening_of_platens(Some(&mut solve))? {
+            let SofteningPlatens { count, lowest, mode } = of;
+            let (all, state) = (&problem.all, &problem.interfaces);
             found = found.with_platens(comm, all, state, count, (lowest, mode));
         }
         Ok((!found.is_stable()).then_some(Instability { time, found }))
