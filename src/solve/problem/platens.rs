@@ -310,9 +310,9 @@ impl Problem<'_> {
         platens.load.iter().zip(&platens.free).map(|(load, k)| load * motions[*k]).sum()
     }
 
-    /// The mode in which platens soften at the state that was evaluated last. Without a `solve` with
-    /// the tangent there it is what the columns of the last correction tell. What is found does
-    /// lower the energy. Without flow. Collective.
+    /// The mode in which platens soften at the state that was evaluated last, which does lower the
+    /// energy. Without a `solve` with the tangent there it is what the columns of the last
+    /// correction tell. Without flow. Collective.
     ///
     /// # Errors
     /// Those of `solve`.
