@@ -2,7 +2,7 @@
 
 use super::RulePoint;
 use super::load_points::{LoadPoint, load_points};
-use crate::case::{Case, Value};
+use crate::case::{Case, SurfaceBit, Value};
 use crate::element::{Shape, quadrature};
 use crate::error::Result;
 use crate::mesh::{Facet, Geometry, Lip, LocalMesh};
@@ -125,6 +125,15 @@ impl Loads {
                 loads.facets(mesh, source, mesh.on_lip(index, Lip::Lower), |_| true);
             }
         }
+        loads
+    }
+
+    /// The area of a surface, as component 0 (m2 at nodes; 2D: m). Local.
+    pub fn area(mesh: &LocalMesh, surface: SurfaceBit) -> Self {
+        let mut loads = Self { axes: &[0], ..Self::default() };
+        let one = Field::Components([Some(Value::Constant(1.0)), None, None]);
+        let source = loads.source("the area of a surface".into(), one);
+        loads.facets(mesh, source, mesh.on_surface(surface), |_| true);
         loads
     }
 

@@ -61,7 +61,8 @@ pub struct Case {
     /// The surfaces that may be asked for, each once; see [`Case::surfaces`].
     pub(super) surfaces: Vec<Surface>,
     /// The surfaces that have a prescribed displacement in some stage; none without stages.
-    pub(super) supported: Vec<Surface>,
+    /// Then those of them that are platens in some stage.
+    pub(super) supported: [Vec<Surface>; 2],
     /// The stages, in their order: what else is said here of supports, loads and materials is that
     /// of the first one.
     pub stages: Vec<Stage>,

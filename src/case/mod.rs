@@ -22,7 +22,8 @@ pub use schema::schema;
 pub use sections::{BoundarySpec, Cells, ColumnSpec, Expectation, Fields, FileSpec, FilmSpec};
 pub use sections::{Form, Formulation, InterfaceSpec, Linear, Location, Material, MeshSource};
 pub use sections::{Gap, Side, SolverSpec, Stability, Surface, SurfaceBit};
-pub use sections::{MeshSpec, OutputSpec, Porous, Probe, Reduce, column_axes};
+pub use sections::{MeshSpec, Motion, OutputSpec, Porous, Probe, Reduce, RigidSpec};
+pub use sections::{column_axes, turned};
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -76,6 +77,7 @@ impl Case {
         let along_normals =
             self.boundary.iter().flat_map(|b| [&b.normal_displacement, &b.normal_traction]);
         let mut values: Vec<&Value> = of_boundary.chain(along_normals).flatten().collect();
+        values.extend(self.boundary.iter().flat_map(|b| &b.rigid).flat_map(RigidSpec::values));
         if self.has_pressure() {
             values.extend(self.boundary.iter().flat_map(|b| b.pressure.iter().chain(&b.flux)));
             let films = self.interfaces.iter().filter_map(|i| i.film.as_ref());

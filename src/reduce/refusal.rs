@@ -61,6 +61,9 @@ pub fn refusal(case: &Case, situation: Situation) -> Option<String> {
     if case.control.is_some() {
         return says("a path is followed");
     }
+    if let Some(surface) = case.rigid_surfaces().first() {
+        return Some(format!("{} moves as a rigid body", surface.name()));
+    }
     if let Some(imperfection) = case.imperfections.first() {
         let name = &case.interfaces[imperfection.interface].name;
         return Some(format!("{name} has an imperfection"));

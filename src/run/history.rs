@@ -5,7 +5,7 @@ use crate::assembly::Discretization;
 use crate::case::{Case, InterfaceQuantity};
 use crate::comm::Comm;
 use crate::interface::JumpRows;
-use crate::solve::{Accepted, FluidBalance, Model, reactions};
+use crate::solve::{Accepted, FluidBalance, Freedom, Model, reactions};
 use crate::space::tangents;
 
 /// The row of the instant that `model` has reached, in the order of `Case::columns`. Collective;
@@ -29,6 +29,7 @@ pub fn row(
     let mut sums = reactions(&problem.all, &surfaces, force);
     comm.sum(sums.as_flattened_mut());
     row.extend(sums.iter().flat_map(|sum| &sum[..case.dim]).map(|v| Some(*v)));
+    row.extend(of_platens(case, model, comm));
     // Three components, then the pressure and whether there is one.
     let flow = model.stepper.coupling.as_ref().map(|coupling| &coupling.flow);
     let mut at_probes = vec![0.0; 5 * case.probes.len()];
@@ -58,6 +59,32 @@ pub fn row(
     if let Some(flow) = flow {
         let FluidBalance { inflow, outflow, stored } = flow.balance;
         row.extend([inflow, outflow, stored].map(Some));
+    }
+    row
+}
+
+/// The motions of the platens, and the moments of them on the body about their centroids; none
+/// where a platen binds nothing, or is none in this stage. Collective.
+fn of_platens(case: &Case, model: &Model<'_>, comm: &Comm) -> Vec<Option<f64>> {
+    let problem = &model.stepper.problem;
+    let u = problem.displacement_since_start();
+    let known = problem.platens.as_ref().map(|of| {
+        let values = of.platens.motions(comm, |unknown| u[unknown]);
+        (&of.platens.freedoms, values, of.reactions())
+    });
+    let mut row = Vec::new();
+    for surface in case.rigid_surfaces() {
+        let find = |axis: usize, turns: bool| {
+            let (freedoms, values, reactions) = known.as_ref()?;
+            let is_it =
+                |of: &Freedom| of.surface == *surface && of.axis == axis && of.turns == turns;
+            let place = freedoms.iter().position(is_it)?;
+            Some([values[place], reactions[place]])
+        };
+        row.extend(case.axes.iter().map(|axis| find(*axis, false).map(|of| of[0])));
+        for kind in 0..2 {
+            row.extend(case.turning_axes().map(|axis| find(axis, true).map(|of| of[kind])));
+        }
     }
     row
 }

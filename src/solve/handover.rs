@@ -249,6 +249,7 @@ impl Model<'_> {
         self.resume(case, step, &nodal, &interface)?;
         let stepper = &mut self.stepper;
         stepper.settle()?;
+        stepper.platens_jump_from_here()?;
         let here = stepper.work.energies(&stepper.problem);
         let before = [elastic, dissipated, friction];
         // What new supports hold at interfaces has no multiplier any more, but an energy.

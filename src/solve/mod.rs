@@ -15,9 +15,11 @@ mod handover;
 
 pub use flow::{Coupling, Flow, FluidBalance};
 pub use handover::Handover;
-pub use model::{BoundaryValueProblem, InterfaceState, LinearChoice, MULTIGRID, NodeResponse};
+pub use model::{
+    BoundaryValueProblem, Freedom, InterfaceState, LinearChoice, MULTIGRID, NodeResponse,
+};
 pub use model::{check_fit, divides, family, starts, strength_factors};
-pub use problem::{Energy, KnownPressure, Problem, reactions};
+pub use problem::{Energy, KnownPressure, PlatenSystem, Problem, reactions};
 pub use setup::{Model, build};
 pub use stability::{Instability, Stability};
 pub use state::{INTERFACE_WIDTH, State};

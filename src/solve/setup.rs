@@ -11,14 +11,14 @@ use super::model::interfaces::{InterfaceState, JointLaw};
 use super::model::linear::{AGGREGATION, LinearChoice, LinearTarget, MULTIGRID};
 use super::model::near_null_space::rigid_motions;
 use super::model::{
-    BoundaryValueProblem, NodeData, discretize, gaps, gaps_in_words, has_lost_facets, places,
-    starts, strength_factors,
+    BoundaryValueProblem, NodeData, Platens, discretize, gaps, gaps_in_words, has_lost_facets,
+    places, starts, strength_factors,
 };
 use super::problem::block_tangent::BlockTangent;
 use super::problem::convergence::Convergence;
 use super::problem::path::PathControl;
 use super::problem::saddle::SaddlePoint;
-use super::problem::{Problem, ProblemParts, TangentForm};
+use super::problem::{PlatenSystem, Problem, ProblemParts, TangentForm};
 use super::stepping::Stepper;
 use crate::assembly::{Discretization, Pattern, SaddleTangent, Tangent, TangentOperator};
 use crate::case::{Case, Control, Form};
@@ -61,11 +61,11 @@ pub fn build<'a>(
     coarser: Vec<LocalMesh>,
 ) -> Result<Model<'a>> {
     let comm = &runtime.comm;
+    let platens = Platens::new(comm, case, &problem)?;
     let BoundaryValueProblem { mesh, all, sides, supports, loads, initial_stress, mut remarks } =
         problem;
     let (dim, unknowns) = (case.dim, all.nodes.total * case.dim as u64);
-    let (interfaces, of_gaps) = interfaces(comm, case, &mesh, &sides, &all)?;
-    remarks.extend(of_gaps);
+    let interfaces = interfaces(comm, case, &mesh, &sides, &all, &mut remarks)?;
     let tolerance = case.solver.tolerance * share_of_corners(&mesh.facts);
     let mut convergence = convergence(case, tolerance);
     convergence.see_gaps(comm, &all, &interfaces);
@@ -106,16 +106,19 @@ pub fn build<'a>(
         mesh: mesh.facts.clone(),
     });
     (problem.known_pressure, problem.initial_stress) = (known_pressure, initial_stress);
-    problem.path = case.control.as_ref().map(|control| path(case, control));
+    border(case, &mut problem, platens);
     let mut stepper = Stepper::new(case, problem, snes, saddle, coupling, x, supports);
     stepper.remarks = remarks;
     let pressures = stepper.coupling.as_ref().map_or(0, |c| c.flow.space.nodes.total);
     Ok(Model { stepper, mesh, sides, choice, unknowns: unknowns + pressures })
 }
 
-/// What follows a path.
-fn path(case: &Case, control: &Control) -> PathControl {
-    PathControl::new(control.clone(), control.words(&case.interfaces))
+/// What is found beside the unknowns: the load factor of a path, the motions of platens.
+fn border(case: &Case, problem: &mut Problem<'_>, platens: Option<Platens>) {
+    let path = |of: &Control| PathControl::new(of.clone(), of.words(&case.interfaces));
+    problem.path = case.control.as_ref().map(path);
+    let other = problem.convergence.other;
+    problem.platens = platens.map(|platens| PlatenSystem::new(platens, other));
 }
 
 /// Starts from the initial pressures, with displacements of zero. Collective.
@@ -126,7 +129,7 @@ fn begin_flow(comm: &Comm, all: &Discretization, flow: &mut Flow, x: &mut Vector
     Ok(())
 }
 
-/// The unloaded interfaces, and what is to be said of their gaps. Collective.
+/// The unloaded interfaces; what is to be said of their gaps is added to `remarks`. Collective.
 ///
 /// # Errors
 /// `Input` where a formula gives what cannot be.
@@ -136,19 +139,21 @@ fn interfaces(
     mesh: &LocalMesh,
     sides: &[Sides],
     all: &Discretization,
-) -> Result<(InterfaceState, Vec<String>)> {
+    remarks: &mut Vec<String>,
+) -> Result<InterfaceState> {
     let factors = AtNode::agree(comm, strength_factors(case, places(all)))?;
     let starts = AtNode::agree(comm, starts(case, places(all)))?;
-    let (mut gaps, mut words) = gaps(comm, case, mesh, sides, all);
+    let (mut gaps, words) = gaps(comm, case, mesh, sides, all);
     for ((gap, rows), start) in gaps.iter_mut().zip(&all.secondary).zip(&starts) {
         *gap += if rows.rows[all.dim - 1].is_some() { start.gap } else { 0.0 };
     }
-    words.extend(gaps_in_words(comm, case, all, &gaps));
+    remarks.extend(words);
+    remarks.extend(gaps_in_words(comm, case, all, &gaps));
     let damages = starts.iter().map(|start| start.damage).collect();
     let nodes = NodeData { factors, gaps, damages };
     let mut state = InterfaceState::new(all, joint_laws(case, mesh, sides), nodes);
     state.is_gradual = case.interfaces.iter().any(|i| i.film.is_some());
-    Ok((state, words))
+    Ok(state)
 }
 
 /// The test of convergence, with this `tolerance` of forces.

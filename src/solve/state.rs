@@ -196,6 +196,7 @@ impl Stepper<'_> {
             has_begun: self.has_begun,
             elastic_at_start: self.work.elastic_at_start,
             ramp: self.grows_until(),
+            platens: problem.platens.as_ref().map_or_else(Vec::new, |of| of.platens.jump.clone()),
             remarks: self.remarks(),
             residual_norm: problem.residual_norm,
             scales: problem.convergence.accepted_scales(),
@@ -271,6 +272,11 @@ impl Stepper<'_> {
         let counts =
             Accepted { newton_iterations, linear_iterations, steps, ..Accepted::default() };
         self.since_instant = counts;
+        if let Some(system) = &mut self.problem.platens
+            && step.platens.len() == system.platens.jump.len()
+        {
+            system.platens.jump.clone_from(&step.platens);
+        }
         if let Some(end) = step.ramp {
             self.grow_until(end)?;
         }

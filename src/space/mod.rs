@@ -21,4 +21,4 @@ pub use node_unknowns::{SpecialNode, SupportTerm, check_directions, special_node
 pub use nodes::Nodes;
 pub use prescribed::{AtNode, Given, Prescribed};
 pub use pressure::PrescribedPressure;
-pub use supports::Supports;
+pub use supports::{PlatenTerm, Supports};

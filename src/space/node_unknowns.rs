@@ -124,6 +124,15 @@ pub fn check_directions(
         let given = given_at(mesh, prescribed, node);
         let directions: Vec<[f64; 3]> = given.iter().map(|given| given.direction).collect();
         for (index, factors) in NodeFrame::new(mesh.dim(), None, &directions).dependent {
+            let is_carried = |i: &usize| prescribed.is_carried(given[*i].entry, given[*i].axis);
+            let others: Vec<usize> = factors.iter().map(|(other, _)| *other).collect();
+            if let Some(other) = others.first()
+                && (is_carried(&index) || others.iter().any(is_carried))
+            {
+                let entries = [*other, index].map(|i| given[i].entry);
+                let words = "the displacement along one direction";
+                return Err(AtNode(name, prescribed.held_twice(entries, words, point)));
+            }
             for time in times {
                 let value = |index: usize| {
                     let value = prescribed.value_of(&given[index], point, *time);

@@ -113,6 +113,20 @@ impl Prescribed {
         self.value_along(given.entry, axis, point, time)
     }
 
+    /// The number in the case of an entry that is a platen, if that is what gives the displacement
+    /// along an axis.
+    pub fn platen(&self, entry: usize, axis: usize) -> Option<usize> {
+        let Entry { number, spec, .. } = &self.entries[entry];
+        let rigid = spec.rigid.as_ref()?;
+        rigid.along[axis].is_some().then_some(*number)
+    }
+
+    /// Whether what is given is the displacement of a platen that [`Prescribed::value`] does not
+    /// tell.
+    pub fn is_carried(&self, entry: usize, axis: Option<usize>) -> bool {
+        axis.is_some_and(|axis| self.entries[entry].spec.is_carried(axis))
+    }
+
     /// Name of the surface of an entry.
     pub fn surface(&self, entry: usize) -> &str {
         self.entries[entry].spec.on.name()
@@ -192,6 +206,10 @@ impl Prescribed {
                 let Some((first, _)) = all[..position].iter().find(|(_, a)| a == axis) else {
                     continue;
                 };
+                if [*first, *other].iter().any(|entry| self.is_carried(*entry, Some(*axis))) {
+                    let along = format!("displacement.{}", ["x", "y", "z"][*axis]);
+                    return Err(AtNode(name, self.held_twice([*first, *other], &along, point)));
+                }
                 for time in instants {
                     let value = |entry| {
                         let value = self.value_along(entry, *axis, point, *time);
@@ -217,6 +235,22 @@ impl Prescribed {
                 given.map(move |axis| (index, *axis))
             })
             .collect()
+    }
+
+    /// That a platen meets what prescribes a displacement of its nodes too.
+    pub(super) fn held_twice(
+        &self,
+        [first, second]: [usize; 2],
+        along: &str,
+        [x, y, z]: [f64; 3],
+    ) -> Error {
+        Error::Input(format!(
+            "{} and {} both give {along} at their common point ({x}, {y}, {z}) m, and a platen \
+             moves all nodes of its surface; leave it out of one of them, or end one of the \
+             surfaces before the other begins",
+            self.name(first),
+            self.name(second),
+        ))
     }
 
     fn disagreement(

@@ -39,6 +39,7 @@ mod manufactured;
 mod orders;
 mod patches;
 mod path;
+mod platen;
 mod presets;
 mod ranks;
 mod reactions;

@@ -91,6 +91,8 @@ fn stopped_after_their_first_instant(files: &[PathBuf]) {
             Kind::Reaction => stress * section,
             Kind::Area => section,
             Kind::Length => stress / stiffness * height,
+            Kind::Angle => stress / stiffness,
+            Kind::Moment => stress * section * height,
             Kind::Damage => 1.0,
             // Of what flows in and out; that into the rock may be a small part.
             Kind::Flux => whole.largest(Kind::Mass) / (times[times.len() - 1] - case.start),

@@ -30,8 +30,8 @@ time: {{instants: [1, 2, 3, 4, 5, 6, 7, 8]}}
 fn in_millimetres(kind: Kind) -> f64 {
     match kind {
         Kind::Traction | Kind::Pressure => 1e-6,
-        Kind::Length | Kind::Energy => 1e3,
-        Kind::Damage | Kind::Reaction | Kind::Time => 1.0,
+        Kind::Length | Kind::Energy | Kind::Moment => 1e3,
+        Kind::Angle | Kind::Damage | Kind::Reaction | Kind::Time => 1.0,
         Kind::Area => 1e6,
         Kind::Flux | Kind::Mass => panic!("no fluid flows here"),
     }

@@ -24,9 +24,9 @@ pub(crate) struct Checker<'a> {
     /// it may have.
     pub knows_dimension: bool,
     pub left_out: Vec<String>,
-    /// On which surfaces something is prescribed in any stage, and whether a displacement; none
-    /// where there are no stages.
-    pub surfaces_of_stages: Vec<(String, bool)>,
+    /// On which surfaces something is prescribed in any stage, whether a displacement, and whether
+    /// that of a platen; none where there are no stages.
+    pub surfaces_of_stages: Vec<(String, [bool; 2])>,
     /// The end of the stage whose supports and loads the case has (s); none where they are those
     /// of all instants.
     pub end_of_stage: Option<f64>,

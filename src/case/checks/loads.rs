@@ -58,7 +58,13 @@ impl Checker<'_> {
             };
             let pressure = value("pressure", &section.pressure);
             let flux = value("flux", &section.flux);
-            let mechanical = !section.displacement.is_empty() || !section.traction.is_empty();
+            let mut displacement = displacement;
+            let rigid = self.rigid(&path, section);
+            if let Some(rigid) = &rigid {
+                displacement = self.displacement_of_platen(&path, rigid, displacement);
+            }
+            let is_moved = !section.displacement.is_empty() || section.rigid.is_some();
+            let mechanical = is_moved || !section.traction.is_empty();
             if on == Surface::All && mechanical {
                 self.add(&path, "is on `all`, which can carry a pressure only");
             } else if on == Surface::All && flux.is_some() {
@@ -66,7 +72,10 @@ impl Checker<'_> {
             } else if pressure.is_some() && flux.is_some() {
                 self.add(&path, "prescribes the pressure and the flux; give one of them");
             } else if !mechanical && pressure.is_none() && flux.is_none() {
-                self.add(&path, "prescribes nothing; give displacement, traction or pressure");
+                self.add(
+                    &path,
+                    "prescribes nothing; give displacement, traction, pressure or rigid",
+                );
             }
             entries.push(BoundarySpec {
                 on,
@@ -76,8 +85,10 @@ impl Checker<'_> {
                 normal_traction,
                 pressure,
                 flux,
+                rigid,
             });
         }
+        self.platens(file, &entries);
         entries
     }
 
@@ -97,9 +108,9 @@ impl Checker<'_> {
         surfaces
     }
 
-    /// The surfaces that have a prescribed displacement in some stage.
-    pub(super) fn supported_in_stages(&self) -> Vec<Surface> {
-        let supported = self.surfaces_of_stages.iter().filter(|(_, supports)| *supports);
+    /// The surfaces that have a prescribed displacement in some stage (0), or are platens (1).
+    pub(super) fn supported_in_stages(&self, kind: usize) -> Vec<Surface> {
+        let supported = self.surfaces_of_stages.iter().filter(|(_, kinds)| kinds[kind]);
         supported.map(|(on, _)| self.surface_named(on)).collect()
     }
 
@@ -115,7 +126,8 @@ impl Checker<'_> {
         if self.is_of_file && *on != Surface::All {
             if name.is_empty() {
                 self.add(path, "is empty; it must name a group of the mesh file, or be all");
-            } else if name == TOTAL && !section.displacement.is_empty() {
+            } else if name == TOTAL && (!section.displacement.is_empty() || section.rigid.is_some())
+            {
                 let reason = format!(
                     "cannot be `{TOTAL}` where a displacement is prescribed: {TOTAL}.reaction_x is \
                      the sum over all surfaces; rename the group"
@@ -211,6 +223,10 @@ impl Checker<'_> {
                     else {
                         continue;
                     };
+                    if axis < 3 && (entry.is_carried(axis) || other.is_carried(axis)) {
+                        self.beside_platen(index, (earlier, other), name);
+                        continue;
+                    }
                     let largest =
                         value.iter().chain(first).fold(0.0, |most: f64, v| most.max(v.abs()));
                     let clash = value

@@ -13,6 +13,7 @@ mod materials;
 mod mesh;
 mod planes;
 mod results;
+mod rigid;
 mod size;
 mod stress;
 mod supports;
@@ -101,7 +102,7 @@ impl Checker<'_> {
             axes: self.axes,
             knows_dimension: self.knows_dimension,
             surfaces,
-            supported: self.supported_in_stages(),
+            supported: [0, 1].map(|kind| self.supported_in_stages(kind)),
             stages: Vec::new(),
             mesh,
             materials,

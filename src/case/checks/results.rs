@@ -70,7 +70,7 @@ impl Case {
 
     /// The surfaces that prescribe a displacement, in the order of their first entry.
     pub fn supported_surfaces(&self) -> Vec<&Surface> {
-        let mut surfaces: Vec<&Surface> = self.supported.iter().collect();
+        let mut surfaces: Vec<&Surface> = self.supported[0].iter().collect();
         for entry in &self.boundary {
             if entry.prescribes_displacement() && !surfaces.contains(&&entry.on) {
                 surfaces.push(&entry.on);
@@ -117,6 +117,7 @@ impl Case {
                 columns.push(format!("{of}.reaction_{axis}"));
             }
         }
+        columns.extend(self.columns_of_platens());
         for probe in &self.probes {
             for axis in self.axis_names() {
                 columns.push(format!("{}.displacement_{axis}", probe.name));

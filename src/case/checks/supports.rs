@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 use crate::case::Case;
 use crate::case::bodies::Bodies;
 use crate::case::sections::{
-    BoundarySpec, ColumnSpec, InterfaceSpec, Material, MeshSource, Surface,
+    BoundarySpec, ColumnSpec, InterfaceSpec, Material, MeshSource, Motion, Surface,
 };
 
 impl Case {
@@ -57,7 +57,8 @@ pub(super) fn presses(interfaces: &[InterfaceSpec]) -> Vec<bool> {
 /// Bodies joined by an interface that `holds` move together; one that only `presses` keeps their
 /// normal displacements together. A motion is free when no prescribed component of a group and no
 /// such interface sees it, which is the null space of the constraint rows taken at the corners of
-/// the surfaces that the groups touch.
+/// the surfaces that the groups touch. A platen that follows its load has motions of its own,
+/// against which alone it holds.
 pub(super) fn free_motions(
     column: &ColumnSpec,
     interfaces: &[InterfaceSpec],
@@ -72,6 +73,7 @@ pub(super) fn free_motions(
         let [[below, _], [_, above]] = [first, last].map(|body| all.interfaces_of(body));
         Part {
             lengths: column.lengths(),
+            height: column.height(),
             z: [all.z(first)[0], all.z(last)[1]],
             touches_bottom: below.is_none(),
             touches_top: above.is_none(),
@@ -119,25 +121,33 @@ fn motions_left(
     is_pressed: impl Fn(usize) -> bool,
 ) -> Vec<Vec<String>> {
     let Some(motions) = parts.first().map(Part::motions) else { return Vec::new() };
-    let (width, size) = (motions.len(), motions.len() * parts.len());
+    let platens = platens(boundary);
+    let (width, of_parts) = (motions.len(), motions.len() * parts.len());
+    let size = of_parts + platens.len();
     let mut rows: Vec<f64> = Vec::new();
-    let mut add = |values: &[(usize, f64, [f64; 3], usize)]| {
-        let mut row = vec![0.0; size];
+    let mut add = |values: &[(usize, f64, [f64; 3], usize)], of_platens: &[f64]| {
+        let mut row = vec![0.0; of_parts];
         for (part, sign, point, axis) in values {
             for (value, motion) in row[part * width..][..width].iter_mut().zip(motions) {
                 *value += sign * displacement(*motion, *point)[*axis];
             }
         }
-        rows.extend(row);
+        rows.extend(row.iter().chain(of_platens));
     };
+    let none = vec![0.0; platens.len()];
     for (number, part) in parts.iter().enumerate() {
-        for (point, axis) in part.held_points(boundary) {
-            add(&[(number, 1.0, point, axis)]);
+        for (point, axis, entry) in part.held_points(boundary) {
+            let lever = part.lever(point, &boundary[entry].on);
+            let moved = |(of, motion): &(usize, usize)| match *of == entry {
+                true => -displacement(*motion, lever)[axis],
+                false => 0.0,
+            };
+            add(&[(number, 1.0, point, axis)], &platens.iter().map(moved).collect::<Vec<f64>>());
         }
         if number + 1 < parts.len() && is_pressed(number) {
             let upper = parts[number + 1].corners(&Surface::Bottom);
             for (below, above) in part.corners(&Surface::Top).into_iter().zip(upper) {
-                add(&[(number, -1.0, below, 2), (number + 1, 1.0, above, 2)]);
+                add(&[(number, -1.0, below, 2), (number + 1, 1.0, above, 2)], &none);
             }
         }
     }
@@ -178,9 +188,24 @@ fn names_of(motions: &[usize], moved: DMatrix<f64>) -> Vec<String> {
     named.map(|(_, motion)| name(*motion)).collect()
 }
 
+/// The motions of platens that follow their loads: the entry, and the translation or rotation.
+fn platens(boundary: &[BoundarySpec]) -> Vec<(usize, usize)> {
+    let mut all = Vec::new();
+    for (entry, rigid) in
+        boundary.iter().enumerate().filter_map(|(i, e)| Some((i, e.rigid.as_ref()?)))
+    {
+        let motions = rigid.along.iter().chain(&rigid.about).enumerate();
+        let free = motions.filter(|(_, motion)| **motion == Some(Motion::Free));
+        all.extend(free.map(|(motion, _)| (entry, motion)));
+    }
+    all
+}
+
 /// Bodies that move together: a box between two heights.
 struct Part {
     lengths: [f64; 3],
+    /// Of the whole column (m).
+    height: f64,
     z: [f64; 2],
     touches_bottom: bool,
     touches_top: bool,
@@ -213,18 +238,42 @@ impl Part {
             .collect()
     }
 
-    /// The points at which supports hold a component, with the axis of that.
-    fn held_points(&self, boundary: &[BoundarySpec]) -> Vec<([f64; 3], usize)> {
+    /// A point as [`Part::corners`] has it, from the centroid of a surface of the column and over
+    /// the height of that.
+    fn lever(&self, point: [f64; 3], surface: &Surface) -> [f64; 3] {
+        let size = [self.lengths[0], self.lengths[1], self.z[1] - self.z[0]];
+        let scale = size.iter().copied().fold(0.0, f64::max);
+        let whole = [self.lengths[0], self.lengths[1], self.height];
+        let middle = [0.5 * whole[0], 0.5 * whole[1], 0.5 * (self.z[0] + self.z[1])];
+        std::array::from_fn(|i| {
+            let centroid = match surface.axis() {
+                Some((axis, far)) if axis == i => {
+                    if far {
+                        whole[i]
+                    } else {
+                        0.0
+                    }
+                }
+                _ => 0.5 * whole[i],
+            };
+            (middle[i] + scale * point[i] - centroid) / self.height
+        })
+    }
+
+    /// The points at which supports hold a component, with the axis of that and the entry.
+    fn held_points(&self, boundary: &[BoundarySpec]) -> Vec<([f64; 3], usize, usize)> {
         let mut held = Vec::new();
         let mut seen: Vec<(&Surface, usize)> = Vec::new();
-        for entry in boundary.iter().filter(|entry| self.touches(&entry.on)) {
+        let entries = boundary.iter().enumerate().filter(|(_, entry)| self.touches(&entry.on));
+        for (number, entry) in entries {
             for axis in (0..3).filter(|axis| entry.displacement[*axis].is_some()) {
                 // Another entry that prescribes the same component there holds nothing more.
                 if seen.contains(&(&entry.on, axis)) {
                     continue;
                 }
                 seen.push((&entry.on, axis));
-                held.extend(self.corners(&entry.on).into_iter().map(|point| (point, axis)));
+                let corners = self.corners(&entry.on).into_iter();
+                held.extend(corners.map(|point| (point, axis, number)));
             }
         }
         held

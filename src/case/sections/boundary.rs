@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
+use super::rigid::RigidSpec;
 use crate::input::Value;
 
 /// What one entry of `boundary` prescribes.
@@ -25,9 +26,18 @@ pub struct BoundarySpec {
     pub pressure: Option<Value>,
     /// Mass flux of the fluid in kg/m2/s, positive inwards.
     pub flux: Option<Value>,
+    /// The surface as a platen. Of components that it binds `displacement` has the value where that
+    /// is one for the whole surface, else 0.
+    pub rigid: Option<RigidSpec>,
 }
 
 impl BoundarySpec {
+    /// Whether the displacement along an axis is that of a platen, which `displacement` does not
+    /// tell.
+    pub fn is_carried(&self, axis: usize) -> bool {
+        self.rigid.as_ref().is_some_and(|rigid| rigid.carries(axis))
+    }
+
     /// Whether a displacement component is prescribed.
     pub fn prescribes_displacement(&self) -> bool {
         self.displacement.iter().chain([&self.normal_displacement]).any(Option::is_some)

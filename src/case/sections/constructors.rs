@@ -12,7 +12,7 @@ use super::quantity::{
     CheckpointSection, FluidSection, ImperfectionSection, InitialSection, InterfaceInitialSection,
     LimitsSection, Quantity, SpatialQuantity,
 };
-use super::{Formulation, Gap, Porous, Reduce, Side, SolverSpec, Surface};
+use super::{Formulation, Gap, Porous, Reduce, RigidSection, Side, SolverSpec, Surface};
 use crate::law::LawSpec;
 
 impl CaseFile {
@@ -239,7 +239,8 @@ impl BoundarySection {
     /// A surface on which nothing is prescribed yet: of a column, or a group by its name.
     pub fn on(on: impl Into<Surface>) -> Self {
         let (on, nothing) = (on.into(), Components::default);
-        Self { on, displacement: nothing(), traction: nothing(), pressure: None, flux: None }
+        let (displacement, traction) = (nothing(), nothing());
+        Self { on, displacement, traction, pressure: None, flux: None, rigid: None }
     }
 }
 
@@ -249,6 +250,7 @@ setters! { BoundarySection:
     pressure = impl Into<Quantity> => Some(pressure.into()), "With a pore pressure in Pa.";
     flux = impl Into<Quantity> => Some(flux.into()),
         "With a mass flux of the fluid in kg/m2/s, positive inwards.";
+    rigid = RigidSection => Some(rigid), "As a platen, with one motion for all of it.";
 }
 
 impl Components {

@@ -10,7 +10,9 @@ use super::quantity::{
     CheckpointSection, FluidSection, InitialSection, InterfaceInitialSection, LimitsSection,
     Quantity,
 };
-use super::{Formulation, Gap, Porous, Reduce, Side, SolverSpec, StageSection, Surface};
+use super::{
+    Formulation, Gap, Porous, Reduce, RigidSection, Side, SolverSpec, StageSection, Surface,
+};
 use crate::law::LawSpec;
 
 /// Case file of column-hpc. All units are SI; z points up.
@@ -238,6 +240,9 @@ pub struct BoundarySection {
     /// Mass flux of the fluid in kg/m2/s, positive inwards.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flux: Option<Quantity>,
+    /// A platen: one motion for the whole surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rigid: Option<RigidSection>,
 }
 
 /// The instants.

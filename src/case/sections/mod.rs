@@ -45,6 +45,7 @@ mod material;
 mod mesh;
 mod output;
 pub(crate) mod quantity;
+mod rigid;
 mod solver;
 mod stage;
 
@@ -65,8 +66,13 @@ pub use quantity::{
     CheckpointSection, FluidSection, FormulaSection, ImperfectionSection, InitialSection,
     InterfaceInitialSection, LimitsSection, Quantity, SpatialQuantity, StressSection, TableSection,
 };
+pub use rigid::{
+    AxesSection, Motion, MotionSection, MotionWord, RigidSection, RigidSpec, RotationSection,
+    turned,
+};
 pub use solver::{Form, Linear, Reduce, SolverSpec, Stability};
 pub use stage::{
     FreeWord, StageBoundarySection, StageComponents, StageDisplacement, StageElasticSection,
-    StageFluidSection, StageMaterialSection, StagePorousSection, StageQuantity, StageSection,
+    StageFluidSection, StageMaterialSection, StagePorousSection, StageQuantity, StageRigid,
+    StageSection,
 };

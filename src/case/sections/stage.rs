@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Surface;
 use super::quantity::{Components, FormulaSection, Quantity, TableSection};
+use super::{RigidSection, Surface};
 
 /// A part of the time, and what changes at its beginning; everything else stays.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -44,6 +44,19 @@ pub struct StageBoundarySection {
     /// Mass flux of the fluid in kg/m2/s, positive inwards; it takes the place of a pressure.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flux: Option<Quantity>,
+    /// A platen in the place of the one that was there, or free.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rigid: Option<StageRigid>,
+}
+
+/// No platen any more, or another one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum StageRigid {
+    /// None.
+    Free(FreeWord),
+    /// Another one.
+    Rigid(Box<RigidSection>),
 }
 
 /// All components free, or some of them changed.

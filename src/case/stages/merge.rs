@@ -8,6 +8,8 @@ const FREE: &str = "free";
 const VECTORS: [&str; 2] = ["displacement", "traction"];
 /// What of the pore fluid is prescribed on a surface: one of both.
 const SCALARS: [&str; 2] = ["pressure", "flux"];
+/// A surface that moves as a rigid body: as a whole.
+const RIGID: &str = "rigid";
 
 /// The whole case as it is in each of its stages, without `stages`. What a stage cannot change is
 /// put among the `problems`.
@@ -53,16 +55,20 @@ impl Merge<'_, '_> {
         for (number, change) in changes.iter().enumerate() {
             let path = format!("boundary.{number}");
             let Some(on) = change.get("on").and_then(text) else { continue };
-            let is_empty = VECTORS.iter().chain(&SCALARS).all(|key| change.get(key).is_none());
-            if is_empty {
-                self.add(&path, "changes nothing; give displacement, traction, pressure or flux");
+            let mut keys = VECTORS.iter().chain(&SCALARS).chain([&RIGID]);
+            if keys.all(|key| change.get(key).is_none()) {
+                let reason =
+                    "changes nothing; give displacement, traction, pressure, flux or rigid";
+                self.add(&path, reason);
             }
             for key in VECTORS {
                 self.vector(&path, on, key, change, list, &mut given);
             }
             for key in SCALARS {
-                self.scalar(&path, on, key, change, list, &mut given);
+                let what = ("pressure or flux", &SCALARS[..]);
+                self.scalar(&path, on, (key, what), change, list, &mut given);
             }
+            self.scalar(&path, on, (RIGID, (RIGID, &[RIGID])), change, list, &mut given);
         }
         list.retain(|entry| entries(entry).len() > 1);
     }
@@ -118,22 +124,23 @@ impl Merge<'_, '_> {
         }
     }
 
-    /// Changes what is prescribed of the pore fluid on a surface.
+    /// Changes what is prescribed on a surface as a whole: a `key` of those which exclude each
+    /// other, with what they are.
     fn scalar(
         &mut self,
         path: &str,
         on: &str,
-        key: &str,
+        (key, (what, keys)): (&str, (&str, &[&str])),
         change: &Node,
         list: &mut Vec<Node>,
         given: &mut Vec<(String, String)>,
     ) {
         let Some(node) = change.get(key) else { return };
         let path = format!("{path}.{key}");
-        self.once(&path, given, on, "pressure or flux");
+        self.once(&path, given, on, what);
         let mut found = false;
         for entry in list.iter_mut().filter(|entry| is_on(entry, on)) {
-            found |= SCALARS.iter().filter(|key| take(entry, key).is_some()).count() > 0;
+            found |= keys.iter().filter(|key| take(entry, key).is_some()).count() > 0;
         }
         if !is_free(node) {
             let entry = entry_on(list, on, change);
@@ -219,11 +226,12 @@ impl Merge<'_, '_> {
 }
 
 /// What the sections of a tree prescribe on surfaces: their names, and whether it is a
-/// displacement.
-pub(super) fn surfaces(tree: &Node) -> Vec<(String, bool)> {
+/// displacement, and one as a rigid body.
+pub(super) fn surfaces(tree: &Node) -> Vec<(String, [bool; 2])> {
     let of = |entry: &Node| {
         let on = entry.get("on").and_then(text)?.to_owned();
-        Some((on, entry.get("displacement").is_some_and(|of| !entries(of).is_empty())))
+        let has = |key: &str| entry.get(key).is_some_and(|of| !entries(of).is_empty());
+        Some((on, [has("displacement") || has(RIGID), has(RIGID)]))
     };
     tree.get("boundary").map_or(&[][..], items).iter().filter_map(of).collect()
 }

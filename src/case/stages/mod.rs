@@ -23,8 +23,9 @@ struct Reader<'a> {
     /// Of each stage, without its times.
     trees: Vec<Node>,
     ends: Vec<f64>,
-    /// On which surfaces something is prescribed in any stage, and whether a displacement.
-    surfaces: Vec<(String, bool)>,
+    /// On which surfaces something is prescribed in any stage, whether a displacement, and whether
+    /// that of a platen.
+    surfaces: Vec<(String, [bool; 2])>,
 }
 
 /// The case of a tree with stages, of which `file` holds the sections; `problems` have been found
@@ -44,10 +45,10 @@ pub(super) fn case<'a>(
     }
     let trees = trees(tree, &mut problems);
     let ends = file.stages.iter().map(|stage| stage.until).collect();
-    let mut prescribed: Vec<(String, bool)> = Vec::new();
+    let mut prescribed: Vec<(String, [bool; 2])> = Vec::new();
     for (on, supports) in trees.iter().flat_map(surfaces) {
         match prescribed.iter_mut().find(|(other, _)| *other == on) {
-            Some((_, also)) => *also |= supports,
+            Some((_, also)) => also.iter_mut().zip(supports).for_each(|(also, it)| *also |= it),
             None => prescribed.push((on, supports)),
         }
     }

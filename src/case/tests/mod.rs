@@ -7,6 +7,7 @@ mod flow;
 mod limits;
 mod mistakes;
 mod places_and_names;
+mod rigid;
 mod shipped;
 mod stability;
 mod stages;

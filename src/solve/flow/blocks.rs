@@ -31,7 +31,7 @@ use crate::error::Result;
 use crate::petsc::{
     LinearOperator, NonlinearSystem, Petsc, Preconditioner, Ran, Snes, TangentChange,
 };
-use crate::solve::problem::Problem;
+use crate::solve::problem::{Problem, condensed};
 
 /// How the linear system of both fields is preconditioned.
 pub enum CoupledSolve {
@@ -188,6 +188,37 @@ impl Blocks {
         self.pores.add_forces(self.tangent.discretization(), p, false, &mut force);
         self.tangent.fold(&mut force, None);
         y.iter_mut().zip(&force).for_each(|(y, f)| *y += f);
+    }
+}
+
+impl Blocks {
+    /// What [`Operator`] multiplies by, for a change of all unknowns in which prescribed
+    /// displacements move too: the change of the forces on all owned displacements, and of the
+    /// rows of those pressures that are to be found. Collective.
+    pub(in crate::solve) fn forces_of(&self, problem: &Problem<'_>, x: &[f64]) -> Vec<f64> {
+        let (xu, xp) = x.split_at(self.split);
+        let (all, pores) = (&problem.all, &self.pores);
+        let p = self.is_coupled().then(|| self.pressures(xp));
+        let mut rows = vec![0.0; pores.nodes.len()];
+        let beside = |u: &[f64], force: &mut [f64]| {
+            let Some(p) = &p else { return };
+            let minus: Vec<f64> = p.iter().map(|p| -p).collect();
+            pores.add_forces(all, &minus, false, force);
+            pores.add_volumes(all, u, &mut rows);
+            let change = PoroState { displacement: u, pressure: p };
+            self.films.borrow().add_product(&pores.films, all, change, &mut rows);
+        };
+        let (comm, state) = (problem.comm, &problem.interfaces);
+        let mut forces = condensed::linear_forces(comm, all, state, xu.to_vec(), beside);
+        forces.resize(x.len(), 0.0);
+        if let Some(p) = &p {
+            pores.add_product(&self.compressibility.borrow(), p, &mut rows);
+            pores.fold(&mut rows);
+            let of_pressures = forces[self.split..].iter_mut().zip(&rows);
+            of_pressures.for_each(|(y, row)| *y = -self.scale * row);
+            self.for_identity_rows(|node| forces[self.split + node] = 0.0);
+        }
+        forces
     }
 }
 

@@ -131,6 +131,7 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         }
         if change != TangentChange::Unchanged {
             coupling.projection.forget_products();
+            problem.forget_columns();
         }
         if change == TangentChange::Changed {
             coupling.blocks.set_whole(problem.comm, problem.assembled_state())?;
@@ -152,6 +153,10 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         problem.set_known(u);
         blocks.for_identity_rows(|node| p[node] = 0.0);
         problem.is_skew = problem.add_unsymmetric(correction, problem.judged_norm, solve)?;
+        let mut free = condensed::free_components(&problem.all, &problem.interfaces);
+        free.resize(correction.len(), true);
+        blocks.for_identity_rows(|node| free[blocks.split + node] = false);
+        problem.move_platens(correction, &free, &|of, x| blocks.forces_of(of, x), solve)?;
         let u = &mut correction[..blocks.split];
         condensed::follow(&problem.all, &problem.interfaces, u);
         if !blocks.has_pressures {

@@ -15,6 +15,7 @@ mod node_law;
 mod origin;
 pub(in crate::solve) mod sliding;
 pub(in crate::solve) mod near_null_space;
+pub(in crate::solve) mod platens;
 mod special;
 mod special_by_name;
 
@@ -31,3 +32,4 @@ pub use initial::starts;
 pub use initial_stress::StressAtStart;
 pub use interfaces::{InterfaceState, NodeResponse};
 pub use linear::{LinearChoice, MULTIGRID};
+pub use platens::{Freedom, Platens};

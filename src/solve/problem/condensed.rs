@@ -2,6 +2,7 @@
 
 use crate::assembly::{CellSet, Discretization};
 use crate::comm::Comm;
+use crate::interface::JumpRows;
 use crate::solve::model::interfaces::InterfaceState;
 
 /// The force of jumps that are known before the linear solve: K v, where v moves the secondary
@@ -80,6 +81,48 @@ pub fn to_unknowns(all: &Discretization, interfaces: &InterfaceState, correction
     }
     let free = free_components(all, interfaces);
     correction.iter_mut().zip(free).filter(|(_, free)| !free).for_each(|(c, _)| *c = 0.0);
+}
+
+/// The change of the forces on owned components with the owned unknowns `u`, where the state is
+/// linearised: prescribed ones move as they do in `u`, and stuck ones follow. `beside` adds what
+/// else changes with the displacements of local nodes, which it is given, to the forces on them.
+/// Collective.
+pub fn linear_forces(
+    comm: &Comm,
+    all: &Discretization,
+    state: &InterfaceState,
+    mut u: Vec<f64>,
+    beside: impl FnOnce(&[f64], &mut [f64]),
+) -> Vec<f64> {
+    let dim = all.dim;
+    follow(all, state, &mut u);
+    u.resize(all.nodes.len() * dim, 0.0);
+    all.nodes.update_ghosts(&mut u, dim);
+    let mut force = vec![0.0; u.len()];
+    all.add_forces(CellSet::All, &u, &mut force, None);
+    beside(&u, &mut force);
+    all.nodes.add_to_owners(&mut force, dim);
+    let bulk = force.clone();
+    let of_stuck = |rows: &JumpRows<u32>, c: usize| {
+        let row = rows.rows[c].as_ref();
+        row.map_or(0.0, |row| -bulk[rows.own(c) as usize] / (row.weight * row.own))
+    };
+    let traction = |index: usize, c: usize| {
+        let (rows, state) = (&all.secondary[index], &state.response[index].state);
+        if state.stuck[c] {
+            return of_stuck(rows, c);
+        }
+        let free = (0..dim).filter(|d| !state.stuck[*d] && rows.rows[*d].is_some());
+        let own: f64 = free.map(|d| state.tangent[c][d] * all.jump(index, d, &u)).sum();
+        match state.friction[c] {
+            0.0 => own,
+            friction => own + friction * of_stuck(rows, dim - 1),
+        }
+    };
+    all.add_tractions(traction, &mut force);
+    force.truncate(all.nodes.owned * dim);
+    fold(comm, all, state, &mut force);
+    force
 }
 
 /// Marks the owned components whose row is not the identity.

@@ -156,6 +156,11 @@ impl Convergence {
         (0..count).map(|i| holds.iter().skip(i).step_by(count).any(|h| *h == 0.0)).collect()
     }
 
+    /// What errors over their scales may be.
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
     /// What forces of the last evaluated state are measured by (N).
     pub fn force_scale(&self) -> f64 {
         self.current.force.max(self.accepted[0])

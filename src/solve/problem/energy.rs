@@ -29,7 +29,7 @@ pub(in crate::solve) fn potential(problem: &Problem<'_>) -> f64 {
     let [stored, dissipated] = held(problem, &load);
     let mut sum = [stored + dissipated - work];
     problem.comm.sum(&mut sum);
-    sum[0]
+    sum[0] - problem.work_on_platens()
 }
 
 /// As [`potential`], with all damage as in the accepted state, whatever the laws answer: what the
@@ -56,7 +56,8 @@ pub(super) fn potential_as_accepted(problem: &Problem<'_>) -> Option<f64> {
     }
     let mut sums = [sum];
     problem.comm.sum(&mut sums);
-    (!problem.comm.any(is_pressed_in)).then_some(sums[0])
+    let energy = sums[0] - problem.work_on_platens();
+    (!problem.comm.any(is_pressed_in)).then_some(energy)
 }
 
 /// Part of the displacements by which lips come into each other for rounding.

@@ -11,10 +11,12 @@ pub(in crate::solve) mod condensed;
 pub(in crate::solve) mod convergence;
 mod cycles;
 pub(in crate::solve) mod energy;
+mod judge;
 mod known_pressure;
 pub(in crate::solve) mod measure;
 mod newton;
 pub(in crate::solve) mod path;
+pub(in crate::solve) mod platens;
 mod predictor;
 mod reactions;
 mod residual;
@@ -24,6 +26,7 @@ mod unsymmetric;
 pub use carried::{Prestress, Release};
 pub use energy::Energy;
 pub use known_pressure::KnownPressure;
+pub use platens::PlatenSystem;
 pub(super) use predictor::{Onset, Prediction};
 pub use reactions::reactions;
 
@@ -36,7 +39,6 @@ use crate::comm::Comm;
 use crate::error::Result;
 use crate::mesh::MeshFacts;
 use crate::multigrid::Hierarchy;
-use crate::petsc::Verdict;
 use crate::signals::Pulse;
 use crate::solve::guess::energy_projection::EnergyProjection;
 use crate::solve::guess::rigid::RigidMotions;
@@ -46,8 +48,7 @@ use crate::solve::model::linear::LinearTarget;
 use crate::timers::Timers;
 use areas::Areas;
 use block_tangent::BlockTangent;
-use convergence::{Convergence, Iterate};
-use measure::{Worst, rounding};
+use convergence::Convergence;
 use path::PathControl;
 
 /// How the tangent of the condensed form is held.
@@ -112,6 +113,8 @@ pub struct Problem<'a> {
     pub(super) known_jumps: Vec<f64>,
     /// Path following, where the case asks for it.
     pub path: Option<PathControl>,
+    /// Platens, where there are any.
+    pub platens: Option<PlatenSystem>,
     /// Room for another state.
     spare: [Vec<f64>; 4],
     /// States with which the tangent was assembled, for all local secondary nodes.
@@ -210,6 +213,7 @@ impl<'a> Problem<'a> {
             bulk_force: vec![0.0; components],
             balance: vec![0.0; components],
             path: None,
+            platens: None,
             spare: Default::default(),
             assembled_state: None,
             preconditioned: None,
@@ -283,6 +287,8 @@ impl<'a> Problem<'a> {
             self.comm.agree(known.set(time))?;
             self.pore_force = known.forces(&self.all);
         }
+        let platens = self.platens.as_mut().map_or(Ok(()), |of| of.platens.set_load(time));
+        self.comm.agree(platens)?;
         if let Some(path) = &mut self.path {
             path.unit_load.clone_from(&self.load);
             self.scale_load();
@@ -305,61 +311,6 @@ impl<'a> Problem<'a> {
     /// Keeps a correction of the displacements for the guesses of later ones. Collective.
     pub(super) fn keep(&mut self, correction: &[f64]) {
         self.projection.keep(self.comm, &self.all, correction);
-    }
-
-    /// The verdict on the state that was evaluated last, with the residual `f` of the
-    /// displacements; `other` is the error of what else has to hold, over its scale. Collective.
-    pub(super) fn judge(
-        &mut self,
-        iteration: usize,
-        f: &[f64],
-        norm: f64,
-        other: f64,
-    ) -> Result<Verdict> {
-        let worst = self.worst_force(f);
-        let free = condensed::free_components(&self.all, &self.interfaces);
-        let forces = f.iter().zip(free).filter(|(_, free)| *free);
-        let mut square = [forces.map(|(f, _)| f * f).sum::<f64>()];
-        self.comm.sum(&mut square);
-        self.residual_norm = square[0].sqrt();
-        let (comm, all) = (self.comm, &self.all);
-        let iterate = Iterate { corrections: iteration, norm, worst, control: other };
-        let verdict = self.convergence.judge(comm, all, &self.interfaces, iterate)?;
-        (self.judged_norm, self.corrections) = (norm, iteration);
-        self.is_skew &= iteration > 0;
-        let (smallest, since) = self.stall;
-        self.stall = match iteration {
-            0 => (norm, 0),
-            _ if norm < 0.5 * smallest => (norm, 0),
-            _ => (smallest, since + 1),
-        };
-        Ok(self.unless_waiting(verdict))
-    }
-
-    /// Evaluates a state with its scales; the 2-norm of its out-of-balance forces (N). Collective.
-    pub(super) fn out_of_balance(&mut self, x: &[f64]) -> Result<f64> {
-        let mut f = vec![0.0; x.len()];
-        self.evaluate(x, &mut f, true);
-        self.judge(0, &f, 0.0, 0.0)?;
-        Ok(self.residual_norm)
-    }
-
-    /// The largest out-of-balance nodal force in a residual, as [`Areas`] count it. Local.
-    fn worst_force(&self, f: &[f64]) -> Worst {
-        let (all, dim) = (&self.all, self.all.dim);
-        let mut worst = Worst::default();
-        for node in 0..all.nodes.owned {
-            let index = all.secondary_of[node].map(|i| i as usize);
-            let stuck = index.map_or([false; 3], |i| self.interfaces.response[i].state.stuck);
-            // The rows of stuck components hold a displacement, which the jumps judge.
-            let force = f[node * dim..][..dim].iter().zip(stuck).filter(|(_, stuck)| !stuck);
-            let length = force.map(|(f, _)| f * f).sum::<f64>().sqrt();
-            let moved = self.displacement[node * dim..][..dim].iter();
-            let moved = moved.fold(0.0, |m: f64, u| m.max(u.abs()));
-            let rounding = rounding(self.stiffness[node] * moved);
-            worst.see(self.areas.count(node, length, rounding), all.nodes.names[node]);
-        }
-        worst
     }
 
     /// States of all local secondary nodes, the ghosts' from their owners. Collective.

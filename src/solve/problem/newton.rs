@@ -37,6 +37,7 @@ impl NonlinearSystem for Problem<'_> {
             return Ok(TangentChange::Unchanged);
         }
         let _phase = self.timers.enter(Phase::Assembly);
+        self.forget_columns();
         if let TangentForm::Levels(hierarchy) = &mut self.form {
             hierarchy.set_state(self.comm, &state, matrix)?;
             // The levels are set up in no time.
@@ -102,8 +103,7 @@ impl NonlinearSystem for Problem<'_> {
         self.is_skew = self.add_unsymmetric(correction, self.judged_norm, solve)?;
         let part = self.convergence.part_of_step();
         let Some(path) = self.path.as_ref().filter(|path| path.follows()) else {
-            condensed::follow(&self.all, &self.interfaces, correction);
-            self.keep(correction);
+            self.finish(correction, solve)?;
             correction.iter_mut().for_each(|c| *c *= part);
             return Ok(());
         };
@@ -221,9 +221,28 @@ impl Problem<'_> {
     /// Whether the states that the running linear solve leads to are of use to it. Local: the same
     /// on all ranks.
     fn is_tried(&self) -> bool {
-        // On a path the correction is not yet the whole one. The symmetric part alone leads
-        // elsewhere; and corrections that are broken off early can lead round in circles.
-        self.path.is_none() && self.stall.1 < MOST_STALLED && !self.is_skew
+        // On a path, or with platens, the correction is not yet the whole one. The symmetric part
+        // alone leads elsewhere; and corrections that are broken off early can lead round in
+        // circles.
+        let is_whole = self.path.is_none() && !self.has_free_platens();
+        is_whole && self.stall.1 < MOST_STALLED && !self.is_skew
+    }
+
+    /// Makes the answer of the tangent a correction of the displacements, platens included.
+    /// Collective.
+    fn finish(&mut self, correction: &mut [f64], solve: &mut FurtherSolve<'_>) -> Result<()> {
+        if !self.has_free_platens() {
+            condensed::follow(&self.all, &self.interfaces, correction);
+            self.keep(correction);
+            return Ok(());
+        }
+        let mut own = correction.to_vec();
+        condensed::follow(&self.all, &self.interfaces, &mut own);
+        self.keep(&own);
+        let free = condensed::free_components(&self.all, &self.interfaces);
+        self.move_platens(correction, &free, &|problem, u| problem.forces_of(u), solve)?;
+        condensed::follow(&self.all, &self.interfaces, correction);
+        Ok(())
     }
 
     /// The tangent in blocks as a matrix of PETSc; none of another form. Collective.

@@ -5,7 +5,7 @@
 //! (bordering: the row of the constraint never enters the matrix).
 
 use super::condensed;
-use crate::assembly::{CellSet, Discretization};
+use crate::assembly::Discretization;
 use crate::case::{Control, ControlKind};
 use crate::comm::Comm;
 use crate::interface::JumpRows;
@@ -179,27 +179,11 @@ impl PathControl {
         all: &Discretization,
         state: &InterfaceState,
     ) -> Vec<f64> {
-        let dim = all.dim;
-        let mut u = self.unit_displacement.clone();
-        condensed::follow(all, state, &mut u);
-        u.resize(all.nodes.len() * dim, 0.0);
-        all.nodes.update_ghosts(&mut u, dim);
-        let mut force: Vec<f64> = self.unit_load.iter().map(|load| -load).collect();
-        all.add_forces(CellSet::All, &u, &mut force, None);
-        all.nodes.add_to_owners(&mut force, dim);
-        let bulk = force.clone();
-        let traction = |index: usize, c: usize| {
-            let (rows, response) = (&all.secondary[index], &state.response[index]);
-            let Some(row) = &rows.rows[c] else { return 0.0 };
-            if response.state.stuck[c] {
-                return -bulk[rows.node as usize * dim + c] / (row.weight * row.own);
-            }
-            let free = (0..dim).filter(|d| !response.state.stuck[*d]);
-            free.map(|d| response.state.tangent[c][d] * all.jump(index, d, &u)).sum()
+        let minus_load = |_: &[f64], force: &mut [f64]| {
+            force.iter_mut().zip(&self.unit_load).for_each(|(force, load)| *force -= load);
         };
-        all.add_tractions(traction, &mut force);
-        force.truncate(all.nodes.owned * dim);
-        condensed::fold(comm, all, state, &mut force);
+        let u = self.unit_displacement.clone();
+        let mut force = condensed::linear_forces(comm, all, state, u, minus_load);
         let free = condensed::free_components(all, state);
         force
             .iter_mut()

@@ -142,7 +142,8 @@ impl Problem<'_> {
             Prediction::Due => {
                 let (all, state) = (&self.all, &self.interfaces);
                 let measured = (worst, self.convergence.force_scale());
-                if self.convergence.excess(self.comm, all, state, measured) <= 1.0 {
+                let excess = self.convergence.excess(self.comm, all, state, measured);
+                if excess <= 1.0 && self.platen_error() <= self.convergence.tolerance() {
                     return false;
                 }
                 None

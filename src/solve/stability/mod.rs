@@ -80,6 +80,24 @@ impl Stability {
     pub fn is_stable(&self) -> bool {
         self.negative.unwrap_or(0) == 0 && self.lowest >= 0.0
     }
+
+    /// With the negative eigenvalues of platens that follow their loads, and the lowest of them
+    /// with its mode in owned unknowns. Collective.
+    pub fn with_platens(
+        self,
+        comm: &Comm,
+        all: &Discretization,
+        state: &InterfaceState,
+        count: usize,
+        (lowest, mode): (f64, Vec<f64>),
+    ) -> Self {
+        let negative = self.negative.map(|negative| negative + count);
+        if self.lowest < lowest {
+            return Self { negative, ..self };
+        }
+        let mode = Some(kind(comm, all, state, &displacement(all, state, mode)));
+        Self { negative, lowest, mode }
+    }
 }
 
 /// Tests the state that was evaluated last, at which `tangent` was set up; `stiffness` is that of a

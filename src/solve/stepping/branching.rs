@@ -10,6 +10,7 @@ use crate::petsc::{SolveReport, Vector};
 use crate::solve::model::interfaces::NodeResponse;
 use crate::solve::problem::energy;
 use crate::solve::problem::path::OVERSTRESS;
+use crate::solve::problem::platens::SofteningPlatens;
 use crate::solve::stability::{self, Instability, Mode};
 
 /// Steps are cut for unstable states down to so many of the smallest ones.
@@ -33,14 +34,16 @@ impl Stepper<'_> {
         let softens =
             |r: &NodeResponse| matches!(r.branch, Branch::Softening | Branch::SofteningClosed);
         let problem = &mut self.problem;
+        let softening = problem.interfaces.response.iter().any(softens);
+        let softens = problem.comm.any(softening) && self.coupling.is_none();
+        let known = if softens { problem.softening_of_platens(None)? } else { None };
         let tested = match self.case.solver.stability {
             Stability::Off => false,
-            Stability::Auto => alarm && self.saddle.is_none(),
+            Stability::Auto => (alarm || known.is_some()) && self.saddle.is_none(),
             Stability::Warn | Stability::Stop | Stability::Follow => true,
         } && problem.path.is_none()
             && self.coupling.is_none();
-        let softening = problem.interfaces.response.iter().any(softens);
-        if !tested || !problem.comm.any(softening) {
+        if !tested || !softens {
             return Ok(None);
         }
         if problem.is_unsymmetric() {
@@ -50,7 +53,13 @@ impl Stepper<'_> {
         let x = self.x.read()?.to_vec();
         let mut tangent = self.snes.tangent_at(problem, &x)?;
         let (comm, all, state) = (problem.comm, &problem.all, &problem.interfaces);
-        let found = stability::test(comm, all, state, &mut tangent, problem.stiffness())?;
+        let mut found = stability::test(comm, all, state, &mut tangent, problem.stiffness())?;
+        let mut solve = |rhs: &[f64], x: &mut [f64]| tangent.solve(rhs, x);
+        if let Some(of) = problem.softening_of_platens(Some(&mut solve))? {
+            let SofteningPlatens { count, lowest, mode } = of;
+            let (all, state) = (&problem.all, &problem.interfaces);
+            found = found.with_platens(comm, all, state, count, (lowest, mode));
+        }
         Ok((!found.is_stable()).then_some(Instability { time, found }))
     }
 

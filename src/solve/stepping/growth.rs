@@ -7,6 +7,7 @@
 use super::ramp::{Carried, Ramp};
 use super::{Coupling, Stepper};
 use crate::error::Result;
+use crate::solve::problem::PlatenSystem;
 
 impl Stepper<'_> {
     /// The part of the loads that jump at the start which acts at `time`.
@@ -26,6 +27,7 @@ impl Stepper<'_> {
     /// # Errors
     /// `Input` when a formula gives no finite number.
     pub(in crate::solve) fn grow_until(&mut self, end: f64) -> Result<()> {
+        self.platens_jump(self.carried.is_none())?;
         if let Some(Carried { jump, .. }) = &self.carried {
             self.ramp = Some(Ramp { end, jump: jump.clone() });
             return Ok(());
@@ -50,7 +52,37 @@ impl Stepper<'_> {
         let Some(ramp) = self.ramp.as_ref().filter(|_| part < 1.0) else { return Ok(()) };
         let load = self.problem.load.iter_mut();
         load.zip(&ramp.jump).for_each(|(load, jump)| *load -= (1.0 - part) * jump);
+        if let Some(PlatenSystem { platens, .. }) = &mut self.problem.platens {
+            let load = platens.load.iter_mut().zip(&platens.jump);
+            load.for_each(|(load, jump)| *load -= (1.0 - part) * jump);
+        }
         Ok(())
+    }
+
+    /// Takes note of the loads of platens that jump at the start: all of them at that of the case.
+    /// Those of a later stage are known since it began. Collective.
+    fn platens_jump(&mut self, is_first: bool) -> Result<()> {
+        if is_first && let Some(PlatenSystem { platens, .. }) = &mut self.problem.platens {
+            let set = platens.set_load(self.case.start);
+            platens.jump.clone_from(&platens.load);
+            self.problem.comm.agree(set)?;
+        }
+        Ok(())
+    }
+
+    /// As above at the start of a later stage: what the platens are to carry beyond the forces that
+    /// the state there has on them. Collective.
+    ///
+    /// # Errors
+    /// `Input` when a formula gives no finite number.
+    pub(in crate::solve) fn platens_jump_from_here(&mut self) -> Result<()> {
+        let Some(system) = &mut self.problem.platens else { return Ok(()) };
+        let before = system.reactions().to_vec();
+        let platens = &mut system.platens;
+        let set = platens.set_load(self.case.start);
+        let pairs = platens.load.iter().zip(&platens.free);
+        platens.jump = pairs.map(|(load, k)| load - before[*k]).collect();
+        self.problem.comm.agree(set)
     }
 
     /// Sets the loads of an accepted state. At the start of a later stage they are those before the

@@ -23,7 +23,7 @@ pub use step_state::{FluidState, MOST_COUNTED, StepState};
 
 use std::time::Duration;
 
-use super::problem::Problem;
+use super::problem::{PlatenSystem, Problem};
 use super::stability::Instability;
 use crate::assembly::PoreSpace;
 use crate::case::{Case, Stability};
@@ -207,10 +207,15 @@ impl<'a> Stepper<'a> {
     /// Writes the prescribed displacements at `time`, with `part` of what jumps at the start.
     fn write_displacements(&mut self, time: f64, part: f64) -> Result<()> {
         let start = self.case.start;
+        let platens = self.problem.platens.as_ref().map(|of| &of.platens);
+        let (of_platens, carried) = self.platens_before(&self.x.read()?);
         let mut x = self.x.write()?;
         self.problem.all.for_prescribed(|node, component| {
             let nodes = &self.problem.all.nodes;
             let unknown = node * self.problem.all.dim + component;
+            if carried.binary_search(&unknown).is_ok() {
+                return Ok(());
+            }
             // What is prescribed counts from where results do.
             let origin = self.problem.origin.get(unknown).copied().unwrap_or(0.0);
             let at = |time| -> Result<f64> {
@@ -222,7 +227,25 @@ impl<'a> Stepper<'a> {
                 _ => at(time)? - (1.0 - part) * (at(start)? - before),
             };
             Ok(())
-        })
+        })?;
+        if let (Some(platens), [now, before]) = (platens, &of_platens) {
+            platens.write(&mut x, now, (before, start), (time, part));
+        }
+        Ok(())
+    }
+
+    /// The motions of the platens in the displacements `x` and at the start of the stage, and the
+    /// unknowns that are theirs alone, rising. Collective.
+    fn platens_before(&self, x: &[f64]) -> ([Vec<f64>; 2], Vec<usize>) {
+        let Some(PlatenSystem { platens, .. }) = &self.problem.platens else {
+            return Default::default();
+        };
+        let (comm, origin) = (self.problem.comm, &self.problem.origin);
+        let at = |of: &[f64], i: usize| of.get(i).copied().unwrap_or(0.0);
+        let start = self.carried.as_ref().map_or(&[][..], |carried| &carried.start);
+        let now = platens.motions(comm, |i| x[i] - at(origin, i));
+        let before = platens.motions(comm, |i| at(start, i));
+        ([now, before], platens.carried().collect())
     }
 
     fn write_pressures(&mut self, time: f64) -> Result<()> {

@@ -4,6 +4,7 @@ use super::Stepper;
 use crate::error::{Error, Result};
 use crate::petsc::{Ran, SolveReport};
 use crate::solve::model::linear::LinearChoice;
+use crate::solve::problem::PlatenSystem;
 
 impl Stepper<'_> {
     /// The linear solvers as PETSc has them, that of all unknowns first. Local.
@@ -40,7 +41,9 @@ impl Stepper<'_> {
             tracing::info!("  {why}: GMRES takes the place of conjugate gradients");
             report = self.go_on(&report)?;
         }
-        let unsolved = self.problem.path.as_ref().is_some_and(|path| path.is_unsolved);
+        let on_path = self.problem.path.as_ref().is_some_and(|path| path.is_unsolved);
+        let platens = self.problem.platens.as_ref().is_some_and(|of| of.is_unsolved);
+        let unsolved = on_path || platens;
         let unknowns = self.problem.all.nodes.total * self.problem.all.dim as u64;
         if (unsolved || report.failing_linear.is_some())
             && let Some(options) = LinearChoice::elimination(self.case, unknowns)
@@ -53,6 +56,7 @@ impl Stepper<'_> {
             if let Some(path) = &mut self.problem.path {
                 path.forget_failure();
             }
+            self.problem.platens.iter_mut().for_each(PlatenSystem::forget_failure);
             report = self.go_on(&report)?;
         }
         if let Some(failure) = report.failing_linear.as_ref().filter(|f| f.is_final()) {

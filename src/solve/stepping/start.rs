@@ -211,9 +211,10 @@ impl Stepper<'_> {
         }
     }
 
-    fn hold_pressures(&self, holds: bool) {
+    fn hold_pressures(&mut self, holds: bool) {
         if let Some(coupling) = &self.coupling {
             coupling.hold_pressures(holds);
+            self.problem.forget_columns();
         }
     }
 }

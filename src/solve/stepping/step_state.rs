@@ -29,6 +29,9 @@ pub struct StepState {
     /// Until when what jumps at the start grows, where it has to (s).
     #[serde(default)]
     pub ramp: Option<f64>,
+    /// By how much the loads of platens jump at the start of the stage (N, N m).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub platens: Vec<f64>,
     /// What else was said of accepted states.
     #[serde(default)]
     pub remarks: Vec<String>,
@@ -118,7 +121,7 @@ impl StepState {
         let fluid: [f64; 7] = self.fluid.into();
         let numbers = self.energy.iter().chain(&self.elsewhere).chain(&fluid);
         let numbers = numbers.chain(&self.load_factor).chain(&self.ramp);
-        let numbers = numbers.chain([&self.time, &self.elastic_at_start]);
+        let numbers = numbers.chain(&self.platens).chain([&self.time, &self.elastic_at_start]);
         if let Some(number) = numbers.copied().find(|number| !number.is_finite()) {
             return wrong("state", number);
         }

@@ -1,0 +1,172 @@
+//! Surfaces that move as rigid bodies under their loads.
+
+use std::path::Path;
+
+use crate::scene::{Run, Scene};
+
+/// A block of 0.8 m x 0.6 m x 2 m (2D: 0.8 m x 2 m) of E = 1 GPa and nu = 0 that stands on its
+/// foot, cut by a joint of some law, with a platen on top.
+fn block(dim: usize, order: usize, law: &str, platen: &str) -> Scene {
+    let (size, cells, held, at) = match dim {
+        2 => ("0.8, 2.0", "2, 4", "x: 0, z: 0", "0.2, 1.6"),
+        _ => ("0.8, 0.6, 2.0", "2, 2, 4", "x: 0, y: 0, z: 0", "0.2, 0.15, 1.6"),
+    };
+    let yaml = format!(
+        "
+mesh: {{column: {{size: [{size}], cells: [{cells}]}}, order: {order}}}
+materials: {{rock: {{elastic: {{young_modulus: 1.0e9, poisson_ratio: 0}}}}}}
+interfaces: [{{name: joint, z: 1.0, law: {law}}}]
+boundary:
+  - {{on: bottom, displacement: {{{held}}}}}
+  - {{on: top, rigid: {{{platen}}}}}
+time: {{instants: [1, 2]}}
+probes: [{{name: inside, at: [{at}]}}]
+"
+    );
+    Scene::new("platen", &yaml)
+}
+
+fn close(run: &Run, column: &str, exact: f64) {
+    for (time, value) in [1.0, 2.0].into_iter().zip(run.column(column)) {
+        let exact = exact * time;
+        let error = (value - exact).abs() / exact.abs();
+        assert!(error < 1e-8, "{}: {column} at {time}: {value:e}, not {exact:e}", run.label);
+    }
+}
+
+/// A force of 1 MN presses the block by N h/(E A) with one correction, whatever the solver.
+#[test]
+fn a_smooth_platen_presses_a_block() {
+    let platen = "z: free, rotation: fixed, force: {z: {formula: \"-1.0e6*t\"}}";
+    for (dim, order, solver, ranks) in [
+        (2, 1, "mumps", 1),
+        (2, 2, "gamg", 3),
+        (3, 1, "aggregation", 2),
+        (3, 2, "hypre", 1),
+        (3, 1, "multigrid", 3),
+    ] {
+        let scene = block(dim, order, "{tied: {}}", platen);
+        let run = scene.set(&format!("solver.linear={solver}")).on(ranks);
+        let area = if dim == 2 { 0.8 } else { 0.48 };
+        close(&run, "top.displacement_z", -1.0e6 * 2.0 / (1.0e9 * area));
+        close(&run, "top.reaction_z", -1.0e6);
+        assert_eq!(run.corrections(), [1.0, 1.0], "{}", run.label);
+        run.assert_energy_balance(1e-9);
+    }
+}
+
+/// Under the moment M a platen turns by M h/(E I) and moves sideways by half of that times h.
+#[test]
+fn a_platen_turns_as_the_end_of_a_beam() {
+    let platen = "x: free, z: free, rotation: free, moment: {y: {formula: \"4.0e4*t\"}}";
+    for (dim, ranks) in [(2, 1), (3, 3)] {
+        let run = block(dim, 2, "{tied: {}}", platen).on(ranks);
+        let inertia = 0.8_f64.powi(3) / 12.0 * if dim == 2 { 1.0 } else { 0.6 };
+        let turn = 4.0e4 * 2.0 / (1.0e9 * inertia);
+        close(&run, "top.rotation_y", turn);
+        close(&run, "top.displacement_x", turn);
+        close(&run, "top.moment_y", 4.0e4);
+    }
+}
+
+/// What a platen finds under its load is what the same motion, prescribed as a displacement, gives:
+/// the forces, the block and the corrections. The joint slides and opens.
+#[test]
+fn a_motion_that_was_found_is_that_which_is_prescribed() {
+    let (law, load) = ("{contact: {friction: 0.3}}", "force: {x: 1.5e5, z: -1.0e6}");
+    let platen = format!("x: free, z: free, rotation: free, {load}, moment: {{y: 1.1e5}}");
+    let scene = block(2, 1, law, &platen).in_any_steps().set("time.instants=[1]");
+    let free = scene.on(1);
+    assert!(free.column("joint.normal_jump.max")[0] > 1e-6, "{}", free.label);
+    free.assert_same(&scene.on(3), 1e-8);
+    let of = |name: &str| free.column(&format!("top.{name}"))[0];
+    let (x, z, turn) = (of("displacement_x"), of("displacement_z"), of("rotation_y"));
+    let moved = format!("{{x: {x:e}, z: {{formula: \"{z:e} - ({turn:e})*(x - 0.4)\"}}}}");
+    let held = scene.set("boundary.1.rigid=").set(&format!("boundary.1.displacement={moved}"));
+    let held = held.on(1);
+    for (column, exact) in [("top.reaction_x", 1.5e5), ("top.reaction_z", -1.0e6)] {
+        let value = held.column(column)[0];
+        assert!((value - exact).abs() < 1e-7 * 1e6, "{}: {column} {value:e}", held.label);
+    }
+    for column in ["inside.displacement_x", "inside.displacement_z", "joint.slip.max"] {
+        let [one, two] = [&free, &held].map(|run| run.column(column)[0]);
+        assert!((one - two).abs() < 1e-7 * one.abs(), "{column}: {one:e} and {two:e}");
+    }
+}
+
+/// Stages change the platen, and a run that is stopped goes on, on other ranks.
+#[test]
+fn a_platen_goes_on_over_stages_and_stops() {
+    let platen = "z: free, force: {z: {formula: \"-1.0e6*t\"}}";
+    let stages = "stages=[{until: 2}, {until: 3, boundary: [{on: top, rigid: {z: free, rotation: \
+                  free, force: {z: -2.0e6}, moment: {y: 2.0e4}}}]}, {until: 4, boundary: [{on: \
+                  top, rigid: free, traction: {z: -2.5e6}}]}]";
+    let scene = block(2, 2, "{tied: {}}", platen).set("time.instants=[1, 2, 3, 4]").set(stages);
+    let run = scene.on(1);
+    let pressed = -2.0e6 * 2.0 / (1.0e9 * 0.8);
+    let at = |name: &str, row: usize| -> f64 {
+        let column = run.table.column(&format!("top.{name}")).expect("a column of the platen");
+        run.table.rows[row][column].expect("a platen at this instant")
+    };
+    let [before, turned] = [1, 2].map(|row| at("displacement_z", row));
+    assert!((before - pressed).abs() < 1e-8 * pressed.abs(), "{before:e}");
+    assert!((turned - pressed).abs() < 1e-8 * pressed.abs(), "{turned:e}");
+    let turn = at("moment_y", 2);
+    assert!((turn - 2.0e4).abs() < 1e-8 * 2.0e4, "{turn:e}");
+    run.assert_same(&scene.stopped(3, "history:0:term:2", 2), 1e-9);
+}
+
+/// On a mesh from a file too, on a side that meets a leaning joint: the forces are met, and the
+/// same on other ranks.
+#[test]
+fn a_platen_on_a_group_of_a_mesh_file() {
+    let mesh =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/inclined_joint/inclined_joint.msh");
+    let yaml = format!(
+        "
+mesh: {{file: \"{}\", raise_order: 2}}
+materials: {{rock: {{elastic: {{young_modulus: 5.8e9, poisson_ratio: 0.3}}}}}}
+interfaces: [{{name: joint, on: joint, law: {{contact: {{friction: 0.8}}}}}}]
+boundary:
+  - {{on: lower_rim, displacement: {{x: 0, y: 0}}}}
+  - on: upper_rim
+    rigid: {{x: free, y: free, rotation: free, force: {{y: -1.0e6}}, moment: {{z: 4.0e3}}}}
+time: {{instants: [1]}}
+",
+        mesh.display()
+    );
+    let scene = Scene::new("rim", &yaml).in_any_steps();
+    let one = scene.on(1);
+    for (column, exact) in [("upper_rim.reaction_y", -1.0e6), ("upper_rim.moment_z", 4.0e3)] {
+        let value = one.column(column)[0];
+        assert!((value - exact).abs() < 1e-8 * exact.abs(), "{column}: {value:e}");
+    }
+    one.assert_same(&scene.on(3), 1e-8);
+}
+
+/// A joint that softens evenly is stable while the platen cannot turn, and tilts where it can: what
+/// the pivots of the tangent with platens held do not tell, the motions of these do.
+#[test]
+fn a_platen_that_may_turn_lets_a_softening_joint_tilt() {
+    let yaml = "
+mesh: {column: {size: [1, 4], cells: [2, 4]}}
+materials: {rock: {elastic: {young_modulus: 1.0e9, poisson_ratio: 0.0}}}
+interfaces:
+  - {name: joint, z: 2.0, law: {linear_softening: {strength: 1.0e6, fracture_energy: 2500.0}}}
+boundary:
+  - {on: bottom, displacement: {x: 0, z: 0}}
+  - {on: top, rigid: {x: free, z: {table: [[0, 0], [1, 3.9e-3], [2, 4.2e-3]]}, rotation: free}}
+time: {instants: [1, 2]}
+solver: {stability: warn}
+";
+    let scene = Scene::new("tilting", yaml).in_any_steps();
+    for (solver, rotation, is_stable) in
+        [("mumps", "free", false), ("gamg", "free", false), ("mumps", "fixed", true)]
+    {
+        let scene = scene.set(&format!("solver.linear={solver}"));
+        let run = scene.set(&format!("boundary.1.rigid.rotation={rotation}")).on(1);
+        let told = run.told("instabilities");
+        assert_eq!(told.is_empty(), is_stable, "{solver}: {told:?}");
+        assert!(told.iter().all(|words| words.contains("tilting of interface joint")), "{told:?}");
+    }
+}
