@@ -108,15 +108,16 @@ impl Parts<'_> {
         let local = |node: &u32| nodes.iter().position(|other| other == node);
         let locals = corners.iter().map(local).collect::<Option<Vec<usize>>>()?;
         let points = reference_points(self.shape);
+        let points: Vec<[f64; 3]> =
+            locals.iter().map(|local| points[usize::from(child.places[*local])]).collect();
         let mut wanted = 1;
-        for axis in 0..self.shape.dim() {
-            let along = |local: &usize| points[usize::from(child.places[*local])][axis];
-            let first = along(&locals[0]);
-            if locals.iter().all(|local| along(local) == first) {
-                if first == 0.0 {
+        for (axis, first) in points[0].iter().enumerate().take(self.shape.dim()) {
+            let along = || points.iter().map(|point| point[axis]);
+            if along().all(|x| x == *first) {
+                if *first == 0.0 {
                     return None;
                 }
-            } else if locals.iter().any(|local| along(local) == 0.0) {
+            } else if along().any(|x| x == 0.0) {
                 wanted *= 2;
             }
         }

@@ -95,9 +95,9 @@ impl Directions {
             });
             let least = lengths.iter().copied().fold(f64::INFINITY, f64::min);
             let mut becomes_longer = false;
-            for axis in 0..dim {
+            for (axis, length) in lengths.iter().enumerate().take(dim) {
                 if is_joined(self.find(*cell, axis)) {
-                    becomes_longer |= lengths[axis] > LONG * least;
+                    becomes_longer |= *length > LONG * least;
                 } else {
                     found[*cell as usize] |= 1 << axis;
                 }
