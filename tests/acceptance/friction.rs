@@ -177,9 +177,9 @@ time: {{instants: [1, 2, 3]}}
     Scene::new("cattaneo_mindlin", &yaml)
 }
 
-/// Johnson, Contact Mechanics, section 7.2: under the forces P and Q the block sticks where |x| < c,
-/// c = a sqrt(1 - Q/(f P)), and around that slips under f p; the shear is f (p(x, a) - c/a p(x, c)).
-/// What is left is that the blocks end at eight times the half width.
+/// Johnson, Contact Mechanics, section 7.2: under the forces P and Q the block sticks where
+/// |x| < c, c = a sqrt(1 - Q/(f P)), and around that slips under f p; the shear is
+/// f (p(x, a) - c/a p(x, c)). What is left is that the blocks end at eight times the half width.
 #[test]
 fn a_rounded_block_sticks_inside_and_slips_around() {
     let mut errors = Vec::new();

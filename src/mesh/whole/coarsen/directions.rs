@@ -73,7 +73,7 @@ impl Directions {
         at
     }
 
-    /// Finds the axes of connected cells along which they are not to be joined, as bits. False where
+    /// Finds the axes of connected cells, as bits, along which they are not joined. False where
     /// too many cells would become long.
     pub fn find_long(&mut self, cubes: &Cubes, cells: &[u32], found: &mut [u8]) -> bool {
         let dim = cubes.shape.dim();
