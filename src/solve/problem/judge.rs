@@ -51,7 +51,8 @@ impl Problem<'_> {
         Ok(self.residual_norm)
     }
 
-    /// The largest out-of-balance nodal force in a residual, as [`Areas`] count it. Local.
+    /// The largest out-of-balance nodal force in a residual, as the areas of the nodes count it.
+    /// Local.
     pub(super) fn worst_force(&self, f: &[f64]) -> Worst {
         let (all, dim) = (&self.all, self.all.dim);
         let mut worst = Worst::default();
