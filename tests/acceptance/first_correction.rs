@@ -85,18 +85,20 @@ fn a_joint_below_its_strength_holds() {
 /// strength: loads that are there from the start act together.
 #[test]
 fn fluid_and_loads_act_together() {
-    for (pressure, total) in [(2.0e6, -5.0e6), (6.0e6, -5.0e6), (9.0e6, -1.2e7)] {
+    let loads = [(2.0e6, -5.0e6), (6.0e6, -5.0e6), (9.0e6, -1.2e7)];
+    // The scenes share out the solvers.
+    let solvers = [(1, "mumps"), (2, "gamg"), (3, "mumps")];
+    for (index, (pressure, total)) in loads.into_iter().enumerate() {
         let law = "{linear_softening: {strength: 1.1e6, fracture_energy: 900}}";
         let joint = format!("{{name: j, z: 2.5, law: {law}, fluid: {{pressure: {pressure}}}}}");
         let solid = ("[1, 1, 5]", "[3, 3, 10]");
-        for (size, cells) in [solid, ("[1, 5]", "[4, 8]")] {
+        for (place, (size, cells)) in [solid, ("[1, 5]", "[4, 8]")].into_iter().enumerate() {
             let top = format!("traction: {{z: {total}}}");
             let scene = column(size, cells, 0.25, &[&joint], &top);
-            for (ranks, solver) in [(1, "mumps"), (2, "gamg"), (3, "mumps")] {
-                let run = scene.set(&format!("solver.linear={solver}")).on(ranks);
-                assert_value(&run, "j.normal_traction.mean", total + pressure, pressure);
-                assert_value(&run, "j.damage.max", 0.0, 1.0);
-            }
+            let (ranks, solver) = solvers[(index + place) % 3];
+            let run = scene.set(&format!("solver.linear={solver}")).on(ranks);
+            assert_value(&run, "j.normal_traction.mean", total + pressure, pressure);
+            assert_value(&run, "j.damage.max", 0.0, 1.0);
         }
     }
 }

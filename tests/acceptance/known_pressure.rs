@@ -64,8 +64,9 @@ fn assert_agree(one: &Run, other: &Run, part: f64) {
 
 #[test]
 fn a_known_pressure_is_a_load() {
-    for (dim, order) in [(2, 1), (2, 2), (3, 1), (3, 2)] {
-        for (index, pressure) in PRESSURES.iter().enumerate() {
+    // The two orders share out the pressures, in the plane the other way than in space.
+    for (dim, order, first) in [(2, 1, 0), (2, 2, 1), (3, 1, 1), (3, 2, 0)] {
+        for (index, pressure) in PRESSURES.iter().enumerate().skip(first).step_by(2) {
             let scene = rock(dim, order).set(&format!("boundary.2.pressure={pressure}"));
             let (dropped, carried) =
                 (scene.on(1 + index % 3), scene.set("physics=hydro_mechanics").on(1));

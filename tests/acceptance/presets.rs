@@ -47,17 +47,21 @@ fn assert_same(run: &Run, reference: &Run) {
 
 #[test]
 fn a_tangent_that_turns_indefinite_is_solved_on_any_number_of_ranks() {
-    for (name, yaml, most) in [("tilted", TILTED, 3), ("bar", BAR, 4)] {
+    // The solvers share out the numbers of ranks.
+    for (name, yaml, first) in [("tilted", TILTED, 1), ("bar", BAR, 2)] {
         let scene = |linear: &str| {
             Scene::new(name, yaml).set(&format!("solver.linear={linear}")).in_any_steps()
         };
         let reference = scene("mumps").on(1);
-        for ranks in 1..=most {
-            for (linear, expected) in [("gamg", GMRES), ("aggregation", FLEXIBLE)] {
-                let run = scene(linear).on(ranks);
-                assert_same(&run, &reference);
-                assert_eq!(run.report["linear_solver"]["ran"][0]["method"], expected);
-            }
+        for (ranks, linear, expected) in [
+            (first, "gamg", GMRES),
+            (first + 2, "gamg", GMRES),
+            (3 - first, "aggregation", FLEXIBLE),
+            (3, "aggregation", FLEXIBLE),
+        ] {
+            let run = scene(linear).on(ranks);
+            assert_same(&run, &reference);
+            assert_eq!(run.report["linear_solver"]["ran"][0]["method"], expected);
         }
     }
 }
@@ -71,13 +75,9 @@ fn a_joint_that_softens_steeply_is_no_matter_for_algebraic_multigrid() {
         scene.set(&format!("solver.linear={linear}")).in_any_steps()
     };
     let reference = scene("mumps").on(1);
-    for (linear, ranks, expected) in [
-        ("hypre", 1, GMRES),
-        ("hypre", 2, GMRES),
-        ("gamg", 3, GMRES),
-        ("aggregation", 1, FLEXIBLE),
-        ("aggregation", 3, FLEXIBLE),
-    ] {
+    for (linear, ranks, expected) in
+        [("hypre", 2, GMRES), ("gamg", 3, GMRES), ("aggregation", 1, FLEXIBLE)]
+    {
         let run = scene(linear).on(ranks);
         assert_same(&run, &reference);
         assert_eq!(run.report["linear_solver"]["ran"][0]["method"], expected);
@@ -235,10 +235,7 @@ fn wrong(case: &str, preset: &str, ranks: usize) -> Option<String> {
 #[test]
 fn shipped_cases_run_with_other_presets() {
     for (case, preset, ranks) in [
-        ("stability/two_equal_interfaces.yaml", "gamg", 1),
         ("stability/two_equal_interfaces.yaml", "gamg", 2),
-        ("snap_back/column_20m.yaml", "gamg", 3),
-        ("stability/two_equal_interfaces.yaml", "aggregation", 2),
         ("snap_back/column_20m.yaml", "aggregation", 1),
         ("terzaghi/case.yaml", "hypre", 2),
     ] {
