@@ -6,8 +6,9 @@ use std::fmt::Write as _;
 /// Cells of a box of 1 x 1 x 2 m along x, y, z, cut at z = 1.
 type Counts = [usize; 3];
 
-/// The file of a box of hexahedra with groups for both bodies, the joint and three sides.
-fn file([nx, ny, nz]: Counts) -> String {
+/// The file of a box of hexahedra, or of twice as many prisms, with groups for both bodies, the
+/// joint and three sides.
+fn file([nx, ny, nz]: Counts, of_prisms: bool) -> String {
     let node = |i: usize, j: usize, k: usize| 1 + i + (nx + 1) * (j + (ny + 1) * k);
     let mut nodes = String::new();
     for k in 0..=nz {
@@ -27,10 +28,23 @@ fn file([nx, ny, nz]: Counts) -> String {
                     [node(i, j, k), node(i + 1, j, k), node(i + 1, j + 1, k), node(i, j + 1, k)]
                 };
                 let group = if 2 * k < nz { 1 } else { 2 };
-                elements.push((5, group, [ring(k), ring(k + 1)].concat()));
-                if k == 0 {
-                    for (group, k) in [(3, nz / 2), (4, 0), (5, nz)] {
-                        elements.push((3, group, ring(k).to_vec()));
+                let halves = |k| {
+                    let [a, b, c, d] = ring(k);
+                    [[a, b, c], [a, c, d]]
+                };
+                if of_prisms {
+                    for (low, high) in halves(k).into_iter().zip(halves(k + 1)) {
+                        elements.push((6, group, [low, high].concat()));
+                    }
+                } else {
+                    elements.push((5, group, [ring(k), ring(k + 1)].concat()));
+                }
+                let levels = [(3, nz / 2), (4, 0), (5, nz)];
+                for (group, level) in levels.into_iter().filter(|_| k == 0) {
+                    if of_prisms {
+                        elements.extend(halves(level).map(|half| (2, group, half.to_vec())));
+                    } else {
+                        elements.push((3, group, ring(level).to_vec()));
                     }
                 }
                 if i == 0 {
@@ -60,10 +74,14 @@ fn file([nx, ny, nz]: Counts) -> String {
 
 /// The box, pulled unevenly until its joint softens, and pressed on a side.
 fn scene(counts: Counts, refine: usize) -> Scene {
+    of_file(&file(counts, false), refine)
+}
+
+fn of_file(file: &str, refine: usize) -> Scene {
     let folder = fresh();
     std::fs::create_dir_all(&folder).expect("a folder");
     let path = folder.join("box.msh");
-    std::fs::write(&path, file(counts)).expect("a file");
+    std::fs::write(&path, file).expect("a file");
     let yaml = format!(
         "
 mesh: {{file: \"{}\", refine: {refine}}}
@@ -113,10 +131,26 @@ fn a_coarse_box_refined_gives_the_history_of_the_fine_one() {
     }
 }
 
-/// A coarsest level that is too large for elimination has cycles of smoothed aggregation.
+/// Hexahedra in layers are joined to coarser ones, an odd layer is left alone.
+#[test]
+fn layers_of_a_file_have_coarser_meshes() {
+    let scene = scene([11, 12, 14], 0);
+    let eliminated = scene.on(1);
+    for ranks in [1, 3] {
+        let run = scene.set("solver.linear=multigrid").on(ranks);
+        assert_eq!(run.report["linear_solver"]["choice"], "multigrid", "{}", run.label);
+        eliminated.assert_same(&run, 1e-8);
+        let per_correction =
+            run.column("linear_iterations")[1] / run.column("newton_iterations")[1];
+        assert!(per_correction < 30.0, "{}: {per_correction} iterations", run.label);
+    }
+}
+
+/// A coarsest level that is too large for elimination has cycles of smoothed aggregation. Prisms
+/// have no coarser ones.
 #[test]
 fn a_large_coarsest_level_is_not_eliminated() {
-    let scene = scene([14, 14, 16], 0)
+    let scene = of_file(&file([14, 14, 16], true), 0)
         .set("mesh.raise_order=2")
         .set("solver.linear=multigrid")
         .set("time.instants=[2]");
