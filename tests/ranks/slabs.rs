@@ -83,7 +83,7 @@ fn case_of(path: &str, options: &str, materials: &str, place: &str, held: &[&str
         held.iter().map(|on| format!("  - {{on: {on}, displacement: {{x: 0}}}}\n")).collect();
     let text = format!(
         "mesh: {{file: \"{path}\"{options}}}\nmaterials: {materials}\n{interface}boundary:\n{}\
-         time: {{instants: [1]}}\n",
+         time: {{instants: [1]}}\nsolver: {{linear: mumps}}\n",
         held.concat()
     );
     Case::read(&text, std::path::Path::new("case.yaml"), &[]).expect("a case")
@@ -104,7 +104,8 @@ fn read(comm: &Comm, case: &Case, import: Import, method: Method) -> Result<Part
     Ok(Part { mesh, facts, remarks })
 }
 
-/// Every array, and every number that is known of the mesh, is the same.
+/// Every array, and every number that is known of the mesh, is the same. With elimination: coarser
+/// meshes are looked for in what is read whole alone.
 pub fn are_those_read_whole(runtime: &Runtime) {
     let comm = &runtime.comm;
     for (number, given) in MESHES.iter().enumerate() {
