@@ -85,7 +85,8 @@ mod tests {
             ("interfaces/ending", on(), 2),
         ] {
             let meshes = meshes(name, place, refine);
-            assert!(meshes.len() == 3 || (refine == 0 && meshes.len() == 2), "{name}");
+            let least = if refine > 0 { 3 } else { 2 };
+            assert!(meshes.len() >= least, "{name}: {}", meshes.len());
             for pair in meshes.windows(2) {
                 let [coarse, fine] = [&pair[0], &pair[1]];
                 let ranks = |cells: usize| (0..cells).map(|cell| (cell % 3) as i32).collect();

@@ -169,7 +169,11 @@ fn layers_are_joined_until_cells_are_as_long_as_wide() {
     for file in [scrambled(&file), file.clone()] {
         assert_eq!(counts(&file, &request()), [2, 4, 16, 64]);
     }
-    // Thin layers at one end only: joined, they would be longer still than wide.
+    // Joined along their short edges only.
     file.points.iter_mut().for_each(|p| p[0] = 0.01 * (p[0] / 4.0).exp2());
+    assert_eq!(counts(&file, &request()), [16, 32, 64]);
+    // Thin layers at one end, thick ones at the other: joined, a quarter would be longer still.
+    let at = [0.0, 0.02, 0.22, 2.22, 22.22];
+    file.points.iter_mut().for_each(|p| p[0] = at[(p[0] / 0.01).log2().round() as usize]);
     assert_eq!(counts(&file, &request()), [64]);
 }
