@@ -4,7 +4,6 @@
 //! calls `sched_yield` whenever it looks for messages and finds none. MUMPS looks between two
 //! fronts, also on one rank, with work to go on with: beside three programs that compute on two
 //! cores a rank that yields each time takes 62 s for 4 s. A wait is what looks in quick succession.
-//! One that lasts, while another rank computes alone or writes to disk, sleeps between two looks.
 
 #![allow(unsafe_code)]
 
@@ -13,24 +12,17 @@ use std::ffi::c_int;
 use std::hint::{black_box, spin_loop};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Who computes for so long between two looks does not wait (ns).
 const COMPUTES: u64 = 10_000;
 /// A rank that has looked so often in succession waits: after some ten microseconds.
 const LOOKS: u64 = 50;
-/// A wait that has lasted so long (ns) goes on asleep.
-const PATIENCE: u64 = 2_000_000;
-/// For so long at a time, a small part of that.
-const NAP: Duration = Duration::from_micros(50);
 
 static START: OnceLock<Instant> = OnceLock::new();
 /// The end of the last look (ns since the start), and how many came in succession.
 static LAST: AtomicU64 = AtomicU64::new(0);
 static LOOKED: AtomicU64 = AtomicU64::new(0);
-/// The first of these looks (ns since the start).
-static FIRST: AtomicU64 = AtomicU64::new(0);
 
 /// Lets ranks wait in this way. Local.
 pub fn yield_while_waiting() {
@@ -43,39 +35,18 @@ pub fn yield_while_waiting() {
 extern "C" fn sched_yield() -> c_int {
     let start = *START.get_or_init(Instant::now);
     let now = || start.elapsed().as_nanos() as u64;
-    let this = now();
     let looked = in_succession(
-        this.saturating_sub(LAST.load(Ordering::Relaxed)),
+        now().saturating_sub(LAST.load(Ordering::Relaxed)),
         LOOKED.load(Ordering::Relaxed),
     );
     LOOKED.store(looked, Ordering::Relaxed);
-    if looked == 1 {
-        FIRST.store(this, Ordering::Relaxed);
-    }
-    match between(looked, this.saturating_sub(FIRST.load(Ordering::Relaxed))) {
-        Between::Spin => spin_loop(),
-        Between::GiveWay => give_way(),
-        Between::Sleep => sleep(NAP),
+    if looked < LOOKS {
+        spin_loop();
+    } else {
+        give_way();
     }
     LAST.store(now(), Ordering::Relaxed);
     0
-}
-
-/// What a rank does between two looks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Between {
-    Spin,
-    GiveWay,
-    Sleep,
-}
-
-/// After so many looks in succession, the first of them so long ago (ns).
-fn between(looked: u64, lasted: u64) -> Between {
-    match (looked < LOOKS, lasted < PATIENCE) {
-        (true, _) => Between::Spin,
-        (false, true) => Between::GiveWay,
-        (false, false) => Between::Sleep,
-    }
 }
 
 /// The looks in succession, with one that comes so long (ns) after `looked` others.
@@ -104,11 +75,6 @@ mod tests {
         assert_eq!(
             [0, COMPUTES, COMPUTES + 1].map(|since| in_succession(since, LOOKS)),
             [LOOKS + 1, LOOKS + 1, 1]
-        );
-        let kinds = [(1, PATIENCE), (LOOKS, PATIENCE - 1), (LOOKS, PATIENCE)];
-        assert_eq!(
-            kinds.map(|(looked, lasted)| between(looked, lasted)),
-            [Between::Spin, Between::GiveWay, Between::Sleep]
         );
     }
 }

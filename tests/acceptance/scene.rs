@@ -46,12 +46,13 @@ pub struct Failure {
     pub complaint: String,
 }
 
-/// A directory for one file or one run, of this process alone. In the temporary folder that the
-/// environment names, which may be memory: runs write to disk what must not be lost, and wait.
+/// A directory for one file or one run, of this process alone. What the environment names in the
+/// place of the build directory may be memory: runs write to disk what must not be lost, and wait.
 pub fn fresh() -> PathBuf {
     static NEXT: AtomicUsize = AtomicUsize::new(0);
     let number = NEXT.fetch_add(1, Ordering::Relaxed);
-    let root = std::env::var_os("TMPDIR").unwrap_or_else(|| env!("CARGO_TARGET_TMPDIR").into());
+    let root = std::env::var_os("COLUMN_HPC_TEST_SCRATCH")
+        .unwrap_or_else(|| env!("CARGO_TARGET_TMPDIR").into());
     let path = Path::new(&root).join(format!("acceptance-{}-{number}", std::process::id()));
     fs::create_dir_all(&path).expect("the build directory is writable");
     path
