@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
 # Makes the machine ready and runs every test. All steps run; the exit status is 1 if any failed.
 #
-# One profile only (release): the cases on 1 to 4 ranks would be slow without optimisation, and a
-# second profile would compile every dependency twice.
+# Tests run the release: cases on 1 to 4 ranks would be slow without optimisation.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -17,8 +16,23 @@ setup_cargo
 scratch=
 lane=
 log=$(mktemp)
-# Where this ends before its time, nothing runs on alone: the tests beside have a process group of their own.
+# Where this ends before its time, nothing runs on alone: what runs beside has a process group of its own.
 trap '[ -z "$lane" ] || kill -- "-$lane" || true; rm -rf "$log" ${scratch:+"$scratch"}' EXIT
+
+# Runs a function beside what follows, until `joined` waits for it and shows what it said.
+beside() {
+    set -m
+    "$@" >"$log" 2>&1 </dev/null &
+    lane=$!
+    set +m
+}
+joined() {
+    local status=0
+    wait "$lane" || status=$?
+    lane=
+    cat "$log"
+    return $status
+}
 
 failed=()
 step() {
@@ -40,8 +54,17 @@ no_faults() {
 }
 
 step format cargo fmt --check
-step lints cargo clippy --release --all-targets -- -D warnings
-step docs env RUSTDOCFLAGS="-D warnings" cargo doc --release --no-deps --document-private-items
+# Compilers of one crate leave a core idle for long: the lints have a build directory of their own, and run beside.
+lints() {
+    local status=0
+    export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$root/target}/lints"
+    cargo clippy --all-targets -- -D warnings || status=1
+    RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --document-private-items || status=1
+    return $status
+}
+beside lints
+# A third of the time of the compiler goes into inlining between parts of the library, which moves no number.
+export CARGO_PROFILE_RELEASE_LTO=off
 tests=(cargo test --release)
 others=()
 for file in tests/*.rs tests/*/main.rs; do
@@ -49,14 +72,15 @@ for file in tests/*.rs tests/*/main.rs; do
     [ "$name" = acceptance ] || others+=(--test "$name")
 done
 step tests_build "${tests[@]}" --no-run --bins --test acceptance "${others[@]}"
-# Compiling the library once more with all its optimisation takes far longer than the unit tests run without (35 s).
+step lints joined
+# Compiling the library once more with optimisation takes far longer than the unit tests run without.
 # Its dependencies are those of the release.
-unit=("${tests[@]}" --config 'profile.release.package.column-hpc.opt-level=1' --lib)
+unit=("${tests[@]}" --config 'profile.release.package.column-hpc.opt-level=0' --lib)
 # Many tests wait, for a signal or for the end of a run, and leave a core idle. The acceptance tests are the longest:
 # the others run beside them. Their launches share the cores (tests/common/cores.rs).
 # (nproc counts threads of OpenMP, which scripts/mpi_env.sh sets to 1.)
 export RUST_TEST_THREADS="${RUST_TEST_THREADS:-$(getconf _NPROCESSORS_ONLN)}"
-beside() {
+other_tests() {
     local status=0
     "${tests[@]}" --no-fail-fast --bins "${others[@]}" || status=1
     "${tests[@]}" --doc || status=1
@@ -70,19 +94,11 @@ if [ -z "${TMPDIR:-}" ] && [ -w /dev/shm ] && [ "$(df --output=avail -k /dev/shm
     scratch=$(mktemp -d /dev/shm/column-hpc.XXXXXX)
     export TMPDIR="$scratch" COLUMN_HPC_TEST_SCRATCH="$scratch"
 fi
-set -m
-beside >"$log" 2>&1 </dev/null &
-lane=$!
-set +m
+# A fifth of the time that a launch takes is a look at the cards of the machine.
+export HWLOC_COMPONENTS=-pci
+beside other_tests
 step acceptance env RUST_TEST_THREADS="${ACCEPTANCE_THREADS:-$((2 * RUST_TEST_THREADS))}" "${tests[@]}" --test acceptance
-all_others() {
-    local status=0
-    wait "$lane" || status=$?
-    lane=
-    cat "$log"
-    return $status
-}
-step other_tests all_others
+step other_tests joined
 step no_faults no_faults
 if [ -x scripts/check_fields.sh ]; then
     step fields scripts/check_fields.sh

@@ -1,6 +1,9 @@
 //! The saddle-point form against the condensed one: the same iterations, history and fields.
 
+#[allow(dead_code)] // this program uses a part of it
 mod common;
+#[path = "common/served.rs"]
+mod served;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -149,7 +152,7 @@ fn run(place: &Path, case: &Path, form: &str, ranks: usize) -> PathBuf {
     let set = format!("solver.form={form}");
     let [case, directory] = [case, &output].map(|p| p.to_string_lossy().into_owned());
     let args = ["run", &case, "--set", &set, "--output", &directory, "--quiet"];
-    let ended = common::mpirun(ranks, env!("CARGO_BIN_EXE_column-hpc"), &args);
+    let ended = served::run(ranks, false, &args, common::TIME_LIMIT);
     let errors = String::from_utf8_lossy(&ended.stderr);
     assert!(ended.status.success(), "{form} on {ranks} ranks: {errors}");
     output

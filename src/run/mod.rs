@@ -38,7 +38,7 @@ use carry_out::{Output, carry_out};
 
 pub use check::describe;
 pub use from_code::Run;
-pub use screen::print_exit;
+pub use screen::{complain, print_exit};
 
 /// Carries out a command; returns the exit status. All but `run` need no MPI.
 ///
@@ -79,7 +79,6 @@ fn study(request: &Request) -> u8 {
 fn run(options: &RunOptions) -> u8 {
     let timers = Timers::new();
     start(&options.petsc_options, |runtime| {
-        screen::start_screen(runtime.comm.is_root(), options.quiet, options.verbose);
         log_phases(runtime, &timers);
         let result = run_case(runtime, &timers, options);
         timers.unwatch();
@@ -140,11 +139,13 @@ fn log_phases(runtime: &Runtime, timers: &Timers) {
 }
 
 /// Everything between the start and the end of MPI. True when every expectation is met. Collective.
+/// How much is said is for the first run of a process to choose.
 ///
 /// # Errors
 /// What is wrong with the input, the numerics or the machine; the same on all ranks.
 pub fn run_case(runtime: &Runtime, timers: &Timers, options: &RunOptions) -> Result<bool> {
     let comm = &runtime.comm;
+    screen::start_screen(comm.is_root(), options.quiet, options.verbose);
     let started = Instant::now();
     let case = read_case(comm, &options.case, &options.overrides)?;
     let directory = options.output.as_deref().unwrap_or(&case.output.directory);

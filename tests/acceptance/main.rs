@@ -52,6 +52,8 @@ mod restart;
 mod restart_cases;
 mod restart_mesh;
 mod scene;
+#[path = "../common/served.rs"]
+mod served;
 mod shipped;
 mod short_joints;
 mod signals;

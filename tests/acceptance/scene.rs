@@ -1,7 +1,7 @@
 //! Runs cases under `mpirun` and reads their results.
 
 use crate::common::mpirun_within;
-use crate::faults;
+use crate::{faults, served};
 use column_hpc::output::history::Table;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -165,19 +165,12 @@ impl Scene {
             self.sets.join(" "),
             if self.scattered { ", scattered" } else { "" }
         );
-        let mut args: Vec<String> = Vec::new();
-        if self.scattered {
-            args.extend(["COLUMN_HPC_PARTITION=scattered".into(), PROGRAM.into()]);
-        }
-        args.extend([self.case.to_string_lossy().into_owned(), "--verbose".into()]);
-        args.extend(["--output".into(), directory.to_string_lossy().into_owned()]);
         let fields = if self.fields { "all" } else { "none" };
-        args.extend(["--overwrite".into(), "--set".into(), format!("output.fields={fields}")]);
-        args.extend(["--set".into(), format!("reduce={}", self.reduce)]);
-        args.extend(self.sets.iter().flat_map(|s| ["--set".to_string(), s.clone()]));
+        let mut args = vec![format!("--set=output.fields={fields}")];
+        args.extend(["--verbose".into(), "--overwrite".into()]);
+        args.extend(self.words(&directory));
         let args: Vec<&str> = args.iter().map(String::as_str).collect();
-        let program = if self.scattered { "env" } else { PROGRAM };
-        let output = mpirun_within(LIMIT, ranks, program, &args);
+        let output = served::run(ranks, self.scattered, &args, LIMIT);
         let screen = String::from_utf8_lossy(&output.stdout).into_owned();
         if output.status.code() != Some(0) {
             let complaint = String::from_utf8_lossy(&output.stderr);

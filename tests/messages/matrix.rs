@@ -91,15 +91,17 @@ impl fmt::Display for Fault {
     }
 }
 
-/// Every phase with every kind it can have; with every pair of ranks, or with one of them in turn.
+/// Every phase with every kind it can have and every pair of ranks; or with half the kinds, by
+/// turns, and one pair for each.
 fn faults(all: bool) -> Vec<Fault> {
     let mut found = Vec::new();
     for (p, place) in PLACES.iter().enumerate() {
-        for (k, kind) in KINDS.into_iter().enumerate().filter(|(_, k)| *k != "nan" || place.nan) {
+        let kinds = KINDS.into_iter().enumerate().filter(|(_, k)| *k != "nan" || place.nan);
+        for (k, kind) in kinds.filter(|(k, _)| all || (p + k) % 2 == 0) {
             // Rank 0 alone has a report.
             let mut pairs = PAIRS.to_vec();
             pairs.retain(|(_, rank)| place.phase != "report" || kind != "nan" || *rank == 0);
-            let one = (p + k) % pairs.len();
+            let one = (p + k / 2) % pairs.len();
             let chosen = pairs.into_iter().enumerate().filter(|(i, _)| all || *i == one);
             found.extend(chosen.map(|(_, (ranks, rank))| Fault { place, kind, ranks, rank }));
         }
@@ -317,7 +319,7 @@ fn run_all(all: bool) {
 }
 
 #[test]
-fn every_phase_with_every_kind_of_failure() {
+fn every_phase_with_kinds_of_failure_by_turns() {
     run_all(false);
 }
 

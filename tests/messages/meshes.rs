@@ -167,8 +167,8 @@ fn a_damaged_file_of_med_is_refused_with_the_dataset() {
     let mesh = |folder: &Folder| folder.path("part.med");
     for (damage, says) in damages {
         let folder = Folder::with(&case("part.med", "lower", "bottom"));
-        // HDF5 locks the file that it changes, and a process that another test starts meanwhile keeps that lock:
-        // the case gets a copy.
+        // HDF5 locks the file that it changes, and a process that another test starts meanwhile
+        // keeps that lock: the case gets a copy.
         let changed = folder.path("changed.med");
         fs::copy(shipped("med_hex8.med"), &changed).expect("a folder of ours");
         let file = File::open_rw(&changed).expect("a good file");
