@@ -14,8 +14,9 @@ use rustix::stdio::{dup2_stderr, dup2_stdout};
 const LOOK: [Duration; 2] = [Duration::from_millis(1), Duration::from_millis(20)];
 
 /// Carries out the command lines that appear in `folder` as `1.job`, `2.job`, ...: lists of words
-/// in JSON. What is said goes to `1.out` and `1.err`, the exit status to `1.status`. It ends with the
-/// first run that does not end well, or, without the folder, with the process `owner`. Collective.
+/// in JSON. What is said goes to `1.out` and `1.err`, the exit status to `1.status`. It ends with
+/// the first run that does not end well, or with the process `owner`, and takes the folder away
+/// then. Collective.
 pub fn serve(folder: &Path, owner: &str) -> u8 {
     let runtime = Runtime::start(&[]).expect("MPI and PETSc");
     for number in 1_usize.. {
