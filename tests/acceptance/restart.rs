@@ -106,14 +106,10 @@ fn stops_and_goes_on(
     }
 }
 
-/// Stops a scene at each of so many instants; `pairs` gives the ranks for the number of an instant.
-fn stopped_at_every_instant(
-    scene: Scene,
-    count: usize,
-    pairs: impl Fn(usize) -> Vec<(usize, usize)>,
-) {
+/// Stops a scene at these instants; `pairs` gives the ranks for the number of an instant.
+fn stopped_at(scene: Scene, instants: &[usize], pairs: impl Fn(usize) -> Vec<(usize, usize)>) {
     let scene = unbroken(scene);
-    for instant in 1..=count {
+    for &instant in instants {
         let signal = ["term", "usr2", "int"][instant % 3];
         let fault = format!("history:LAST:{signal}:{instant}");
         stops_and_goes_on(&scene, &pairs(instant), &fault, 75);
@@ -126,21 +122,22 @@ fn in_turn(number: usize) -> Vec<(usize, usize)> {
 }
 
 #[test]
-fn the_reference_stopped_at_every_instant() {
-    stopped_at_every_instant(reference(), 7, in_turn);
+fn the_reference_stopped_at_an_instant() {
+    stopped_at(reference(), &[1, 2, 3, 6], in_turn);
 }
 
 #[test]
-fn the_tilting_column_stopped_at_every_instant() {
-    stopped_at_every_instant(tilting(), 5, in_turn);
+fn the_tilting_column_stopped_at_an_instant() {
+    stopped_at(tilting(), &[1, 3, 5], in_turn);
 }
 
 #[test]
 #[ignore = "takes minutes"]
 fn stopped_at_every_instant_on_every_pair_of_ranks() {
-    stopped_at_every_instant(reference(), 7, |_| RANKS.to_vec());
-    stopped_at_every_instant(tilting(), 5, |_| RANKS.to_vec());
-    stopped_at_every_instant(path(), 5, |_| RANKS.to_vec());
+    stopped_at(reference(), &[1, 2, 3, 4, 5, 6, 7], |_| RANKS.to_vec());
+    for scene in [tilting(), path()] {
+        stopped_at(scene, &[1, 2, 3, 4, 5], |_| RANKS.to_vec());
+    }
 }
 
 /// In the middle of Newton's method: the step is abandoned and made again.
@@ -151,14 +148,14 @@ fn stopped_in_the_middle_of_a_step() {
         let fault = format!("residual:LAST:term:{evaluation}");
         stops_and_goes_on(&tilting, &in_turn(evaluation), &fault, 75);
     }
-    stops_and_goes_on(&unbroken(reference()), &RANKS, "residual:LAST:usr2:7", 75);
+    stops_and_goes_on(&unbroken(reference()), &in_turn(7), "residual:LAST:usr2:7", 75);
 }
 
 #[test]
 fn a_path_stopped_on_its_way() {
     let path = unbroken(path());
     for (phase, count) in [("history", 2), ("residual", 11)] {
-        stops_and_goes_on(&path, &RANKS, &format!("{phase}:LAST:term:{count}"), 75);
+        stops_and_goes_on(&path, &in_turn(count), &format!("{phase}:LAST:term:{count}"), 75);
     }
 }
 
