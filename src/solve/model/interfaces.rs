@@ -50,17 +50,20 @@ pub(in crate::solve) struct History {
 
 /// State of the secondary nodes that this rank owns, in the order of `Discretization::secondary`.
 pub struct InterfaceState {
-    dim: usize,
+    pub(super) dim: usize,
     /// The law of each interface.
     pub laws: Vec<JointLaw>,
     /// What strength and fracture energy of the interface are multiplied by at each node.
     pub factors: Vec<f64>,
     /// Gap at each node before anything moves, along the normal (m).
     pub gaps: Vec<f64>,
+    /// What of the jump at each node its law does not see, as it was there when the stage began and
+    /// its multipliers were shared out (m); empty in the first stage.
+    pub(in crate::solve) misfit: Vec<[f64; 3]>,
     /// Largest equivalent jump that the damage at the start stands for (m).
     pub initial: Vec<f64>,
     /// Jump at each node from which results count (m); empty where it is 0.
-    pub(super) origin: Vec<[f64; 3]>,
+    pub(in crate::solve) origin: Vec<[f64; 3]>,
     /// Largest equivalent jump at the last accepted state (m).
     pub committed: Vec<f64>,
     /// Energy per area dissipated up to the last accepted state (J/m2), without friction; with that
@@ -106,6 +109,7 @@ impl InterfaceState {
             laws,
             factors,
             gaps,
+            misfit: Vec::new(),
             initial: vec![0.0; owned],
             origin: Vec::new(),
             committed: vec![0.0; owned],
@@ -173,9 +177,8 @@ impl InterfaceState {
                     jump[c] = row.trace(rows.own(c), |unknown| u[unknown as usize]);
                 }
             }
-            if self.gaps[index] != 0.0 {
-                jump[dim - 1] += self.gaps[index];
-            }
+            let beyond = self.beyond(index);
+            (0..dim).for_each(|c| jump[c] += beyond[c]);
             let (damping, from) = match &self.damping {
                 Some(damping) => (damping.stiffness, damping.from[index]),
                 None => (0.0, [0.0; 3]),

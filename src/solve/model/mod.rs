@@ -32,4 +32,5 @@ pub use initial::starts;
 pub use initial_stress::StressAtStart;
 pub use interfaces::{InterfaceState, NodeResponse};
 pub use linear::{LinearChoice, MULTIGRID};
+pub(in crate::solve) use origin::Left;
 pub use platens::{Freedom, Platens};
