@@ -257,12 +257,7 @@ impl Stepper<'_> {
             ..Sliding::default()
         };
         problem.interfaces.sliding = rows.iter().map(sliding).collect();
-        if let Some([misfit, origin]) = of_stage(&rows) {
-            problem.interfaces.misfit = misfit;
-            if !problem.interfaces.origin.is_empty() {
-                problem.interfaces.origin = origin;
-            }
-        }
+        problem.interfaces.resume_stage(&rows, HISTORY_WIDTH);
         problem.convergence.resume(step.scales);
         problem.residual_norm = step.residual_norm;
         if let (Some(path), Some(factor)) = (&mut problem.path, step.load_factor) {
@@ -392,12 +387,4 @@ impl Stepper<'_> {
         }
         Ok(())
     }
-}
-
-/// Misfits and jumps from which results count, of the rows of a later stage.
-fn of_stage(rows: &[Vec<f64>]) -> Option<[Vec<[f64; 3]>; 2]> {
-    let first = HISTORY_WIDTH;
-    let at = |row: &Vec<f64>, place: usize| [row[place], row[place + 1], row[place + 2]];
-    rows.first().filter(|row| row.len() > first)?;
-    Some([first, first + 3].map(|place| rows.iter().map(|row| at(row, place)).collect()))
 }

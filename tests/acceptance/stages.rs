@@ -148,5 +148,13 @@ fn supports_at_the_edge_of_an_interface_are_let_go_without_work_of_the_mesh() {
     let scene = let_go(2, laws[1]);
     let whole = scene.on(3);
     energies_close(&whole, 1e-10);
-    whole.assert_same(&scene.stopped(2, "history:1:term:2", 1), 1e-9);
+    let stopped = scene.stopped(2, "history:1:term:2", 1);
+    for name in
+        ["energy.external", "joint.force_x", "left.reaction_z", "joint.shear_traction_x.max"]
+    {
+        let (whole, stopped) = (whole.column(name), stopped.column(name));
+        let largest = whole.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let off = whole.iter().zip(&stopped).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-9 * largest, "{name}: {whole:?} {stopped:?}");
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::gaps::NodeData;
 pub use super::node_law::{JointLaw, NodeLaw};
-use super::sliding::{Reached, Sliding};
+use super::sliding::Sliding;
 use crate::assembly::{Discretization, NodeState};
 use crate::comm::Comm;
 use crate::interface::{JumpRow, JumpRows};
@@ -260,19 +260,6 @@ impl InterfaceState {
             self.accepted[index] = self.augmented(all, index);
             let law = self.law_at(index, &all.secondary[index]);
             self.sliding[index].traction = self.reached(index).friction(law);
-        }
-    }
-
-    /// What the state that was evaluated last has at a node, with the accepted history. Local.
-    fn reached(&self, index: usize) -> Reached {
-        let (response, history) = (&self.response[index], self.committed[index]);
-        let tangent = |c: usize| c + 1 < self.dim;
-        let of = |at: &dyn Fn(usize) -> f64| [0, 1].map(|c| if tangent(c) { at(c) } else { 0.0 });
-        Reached {
-            is_closed: response.branch.is_closed(),
-            history,
-            sliding: of(&|c| response.jump[c] - response.defect[c]),
-            shear: of(&|c| response.bulk_traction[c]),
         }
     }
 

@@ -13,6 +13,7 @@ pub(in crate::solve) mod linear;
 pub mod memory;
 mod node_law;
 mod origin;
+mod way;
 pub(in crate::solve) mod sliding;
 pub(in crate::solve) mod near_null_space;
 pub(in crate::solve) mod platens;

@@ -25,6 +25,19 @@ impl InterfaceState {
         beyond
     }
 
+    /// Goes on from misfits and jumps at the start, in rows of a later stage from a `place` on.
+    /// Local.
+    pub(in crate::solve) fn resume_stage(&mut self, rows: &[Vec<f64>], place: usize) {
+        if rows.first().is_none_or(|row| row.len() <= place) {
+            return;
+        }
+        let at = |row: &Vec<f64>, place: usize| [row[place], row[place + 1], row[place + 2]];
+        self.misfit = rows.iter().map(|row| at(row, place)).collect();
+        if !self.origin.is_empty() {
+            self.origin = rows.iter().map(|row| at(row, place + 3)).collect();
+        }
+    }
+
     /// What the owned node of an index has in the state that was evaluated last. Local.
     pub(in crate::solve) fn left_at(&self, all: &Discretization, index: usize) -> Left {
         let NodeResponse { jump, bulk_traction, .. } = self.response[index];
