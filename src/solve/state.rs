@@ -30,8 +30,8 @@ pub struct State {
     /// displacements at the start of each stage but the first (m).
     pub nodal: Rows,
     /// By secondary node: history (m), energy dissipated per area (J/m2), sliding by tangential
-    /// component (m), its path (m), and the work of friction (J). In a later stage by component also
-    /// the misfit, and the jump from which results count (m).
+    /// component (m), its path (m), and the work of friction (J). In a later stage by component
+    /// also the misfit, and the jump from which results count (m).
     pub interface: Rows,
 }
 

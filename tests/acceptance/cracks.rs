@@ -219,7 +219,7 @@ fn bodies_that_nothing_holds_are_refused() {
     }
 }
 
-/// Tables over a coordinate are what formulas say, for all that is given at the start and for loads.
+/// Tables over a coordinate are what formulas say, at the start and for loads.
 #[test]
 fn tables_over_a_coordinate_are_formulas() {
     let yaml = "
