@@ -86,6 +86,12 @@ pub struct Stage {
 const NEARLY_INCOMPRESSIBLE: f64 = 0.45;
 
 impl Case {
+    /// Error that one step may make, as a part: of the pressure over the largest so far, of
+    /// tractions over the strength, of the work over the energy (`time.tolerance`). Local.
+    pub fn step_tolerance(&self) -> Option<f64> {
+        self.file.time.tolerance
+    }
+
     /// The case as it is in each of its stages; itself where it has none.
     pub fn in_stages(&self) -> Vec<&Case> {
         if self.stages.is_empty() {

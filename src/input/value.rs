@@ -1,4 +1,4 @@
-//! Values in space and time: a constant, a table over time, or a formula.
+//! Values in space and time: a constant, a table over time or over a coordinate, or a formula.
 
 use super::Formula;
 
@@ -9,6 +9,8 @@ pub enum Value {
     Constant(f64),
     /// Points (time, value) with rising times: linear between, constant beyond.
     Table(Vec<[f64; 2]>),
+    /// Points (coordinate, value) along an axis, with rising coordinates: likewise.
+    Profile(usize, Vec<[f64; 2]>),
     /// A formula in x, y, z, t.
     Formula(Formula),
 }
@@ -20,6 +22,7 @@ impl Value {
         match self {
             Value::Constant(value) => *value,
             Value::Table(rows) => interpolate(rows, time),
+            Value::Profile(axis, rows) => interpolate(rows, point[*axis]),
             Value::Formula(formula) => formula.at(point, time),
         }
     }
@@ -28,7 +31,7 @@ impl Value {
     pub fn is_zero(&self) -> bool {
         match self {
             Value::Constant(value) => *value == 0.0,
-            Value::Table(rows) => rows.iter().all(|row| row[1] == 0.0),
+            Value::Table(rows) | Value::Profile(_, rows) => rows.iter().all(|row| row[1] == 0.0),
             Value::Formula(formula) => formula.is_constant() && formula.at([0.0; 3], 0.0) == 0.0,
         }
     }
@@ -37,14 +40,19 @@ impl Value {
     pub fn negated(&self) -> Value {
         match self {
             Value::Constant(value) => Value::Constant(-value),
-            Value::Table(rows) => Value::Table(rows.iter().map(|[t, v]| [*t, -v]).collect()),
+            Value::Table(rows) => Value::Table(opposite(rows)),
+            Value::Profile(axis, rows) => Value::Profile(*axis, opposite(rows)),
             Value::Formula(formula) => Value::Formula(formula.negated()),
         }
     }
 
     /// Whether it depends on the point.
     pub fn varies_in_space(&self) -> bool {
-        matches!(self, Value::Formula(formula) if formula.varies_in_space())
+        match self {
+            Value::Profile(_, rows) => rows.iter().any(|row| row[1] != rows[0][1]),
+            Value::Formula(formula) => formula.varies_in_space(),
+            _ => false,
+        }
     }
 
     /// The times at which its slope over time may jump: the times of a table.
@@ -54,6 +62,10 @@ impl Value {
             _ => Vec::new(),
         }
     }
+}
+
+fn opposite(rows: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    rows.iter().map(|[at, value]| [*at, -value]).collect()
 }
 
 /// Linear interpolation in a table with at least one row and strictly rising times.
@@ -83,6 +95,18 @@ mod tests {
         assert_eq!(at(1.5), 0.0);
         assert!((at(3.0) - 2.50005).abs() < 1e-12);
         assert_eq!(table.breakpoints(), [1.0, 2.0, 4.0]);
+    }
+
+    #[test]
+    fn a_profile_is_a_table_over_a_coordinate() {
+        let profile = Value::Profile(2, vec![[0.0, 1.0], [2.0, 0.0]]);
+        let at = |z| profile.at([9.0, 9.0, z], 7.0);
+        assert_eq!((at(-1.0), at(0.0), at(0.5), at(2.0), at(3.0)), (1.0, 1.0, 0.75, 0.0, 0.0));
+        assert!(
+            profile.varies_in_space() && !profile.is_zero() && profile.breakpoints().is_empty()
+        );
+        assert_eq!(profile.negated().at([0.0, 0.0, 0.5], 0.0), -0.75);
+        assert!(!Value::Profile(0, vec![[0.0, 1.0], [2.0, 1.0]]).varies_in_space());
     }
 
     #[test]

@@ -15,7 +15,7 @@ use crate::output::history::Table;
 use crate::output::publisher::Publisher;
 use crate::output::series;
 use crate::signals;
-use crate::solve::{INTERFACE_WIDTH, Model, State};
+use crate::solve::{Model, State};
 
 /// Checkpoints that nobody has asked for come at most once in so many times what one takes.
 const SELDOM: u32 = 20;
@@ -223,7 +223,7 @@ impl Restart {
         let all = &model.stepper.problem.all;
         let secondary = comm.sum_u64(all.owned_secondary() as u64);
         let fields = if (state.nodes, state.secondary) == (all.nodes.total, secondary) {
-            let widths = [model.stepper.nodal_width(), INTERFACE_WIDTH];
+            let widths = [model.stepper.nodal_width(), model.stepper.interface_width()];
             opened.fields(comm, all.nodes.total, secondary, widths)
         } else {
             Err(Error::Input(format!(

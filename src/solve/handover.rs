@@ -4,9 +4,8 @@ use std::rc::Rc;
 
 use super::Model;
 use super::flow::NextStep;
-use super::model::cells;
+use super::model::{Left, cells};
 use super::problem::{Prestress, Release};
-use super::state::INTERFACE_WIDTH;
 use super::stepping::{Carried, FluidState, StepState, Stepper};
 use crate::assembly::{CellSet, Discretization};
 use crate::case::Case;
@@ -23,14 +22,11 @@ pub struct Handover {
     /// displacements at the starts of the stages but the first (m); with flow last the pressure
     /// (Pa).
     nodal: Rows,
-    /// As [`super::State::interface`].
+    /// By secondary node, see `settle`.
     interface: Rows,
     /// Names of nodes are below this.
     nodes: u64,
 }
-
-/// Forces below this part of the largest nodal force are what the convergence test leaves.
-const SETTLED: f64 = 1e-6;
 
 /// Why a state does not fit.
 fn lacking() -> Error {
@@ -74,19 +70,14 @@ impl Stepper<'_> {
             flow.at_corners(all, flow.accepted_pressure())
         });
         let nodal = rows(all, &columns, pressure.iter().map(|of| &of[..]));
-        let state = self.state()?;
-        let nodes = all.nodes.total;
-        Ok(Handover {
-            step: state.step,
-            nodal: comm.to_slabs(nodes, &nodal),
-            interface: comm.to_slabs(nodes, &state.interface),
-            nodes,
-        })
+        let (step, nodes) = (self.state()?.step, all.nodes.total);
+        let interface = comm.to_slabs(nodes, &self.left_at_interfaces());
+        Ok(Handover { step, nodal: comm.to_slabs(nodes, &nodal), interface, nodes })
     }
 
     /// The fields of the state at the start of a stage, in slabs: as [`super::State::nodal`] and
-    /// [`super::State::interface`]. Collective.
-    fn taken_over(&mut self, handed: &Handover) -> Result<[Rows; 2]> {
+    /// [`super::State::interface`]; and what the owned nodes of interfaces had. Collective.
+    fn taken_over(&mut self, handed: &Handover) -> Result<([Rows; 2], Vec<Option<Left>>)> {
         let (comm, dim) = (self.problem.comm, self.problem.all.dim);
         let all = Rc::clone(&self.problem.all);
         if handed.nodes != all.nodes.total {
@@ -133,52 +124,9 @@ impl Stepper<'_> {
             values.extend(origin.iter().chain(of_stages).flat_map(of));
         }
         let nodal = Rows { width: self.nodal_width(), names: names.to_vec(), values };
-        let interface = self.taken_interfaces(handed);
-        Ok([comm.to_slabs(handed.nodes, &nodal), comm.to_slabs(handed.nodes, &interface)])
-    }
-
-    /// Adds what is out of balance at the start of a stage to what is released over it: where
-    /// supports come or go at the edge of an interface its multipliers are shared out otherwise.
-    /// Collective.
-    fn settle(&mut self) -> Result<()> {
-        let problem = &mut self.problem;
-        let (comm, dim) = (problem.comm, problem.all.dim);
-        let prescribed = problem.all.prescribed.iter();
-        let free = prescribed.flat_map(|of| of.iter().take(dim)).zip(&problem.balance);
-        let left: Vec<f64> = free
-            .take(self.work.force.len())
-            .map(|(prescribed, force)| if *prescribed { 0.0 } else { *force })
-            .collect();
-        let mut largest = [left.iter().fold(0.0, |most: f64, force| most.max(force.abs()))];
-        comm.max(&mut largest);
-        if largest[0] <= SETTLED * problem.convergence.force_scale() {
-            return Ok(());
-        }
-        let Some(release) = &mut problem.release else { return Ok(()) };
-        for force in [&mut release.force, &mut self.work.force] {
-            force.iter_mut().zip(&left).for_each(|(force, left)| *force += left);
-        }
-        self.resume_tractions()
-    }
-
-    /// The history of the secondary nodes; of those that had no multiplier before it is that of the
-    /// start. Collective.
-    fn taken_interfaces(&self, handed: &Handover) -> Rows {
-        let (all, state) = (&self.problem.all, &self.problem.interfaces);
-        let secondary = all.secondary[..all.owned_secondary()].iter().enumerate();
-        let mut nodes: Vec<(u64, usize)> =
-            secondary.map(|(index, rows)| (all.nodes.names[rows.node as usize], index)).collect();
-        nodes.sort_unstable();
-        let names: Vec<u64> = nodes.iter().map(|(name, _)| *name).collect();
-        let found = self.problem.comm.from_slabs(handed.nodes, &handed.interface, &names);
-        let at_start = |index: usize| {
-            let mut row = vec![state.initial[index], state.dissipated_before(all, index)];
-            row.resize(INTERFACE_WIDTH, 0.0);
-            row
-        };
-        let rows = found.into_iter().zip(&nodes);
-        let values = rows.flat_map(|(row, (_, index))| row.unwrap_or_else(|| at_start(*index)));
-        Rows { width: INTERFACE_WIDTH, values: values.collect(), names }
+        let (interface, left) = self.taken_interfaces(handed.nodes, &handed.interface);
+        let [nodal, interface] = [&nodal, &interface].map(|of| comm.to_slabs(handed.nodes, of));
+        Ok(([nodal, interface], left))
     }
 
     /// Takes what a later stage has from those before it out of the rows of its state, in slabs.
@@ -240,7 +188,7 @@ impl Model<'_> {
     /// `Input` when the mesh is another one, or a formula gives no finite number; `System` when
     /// PETSc fails.
     pub fn take_over(&mut self, case: &Case, handed: Handover) -> Result<()> {
-        let [nodal, interface] = self.stepper.taken_over(&handed)?;
+        let ([nodal, interface], left) = self.stepper.taken_over(&handed)?;
         // What follows is not smooth with what was before.
         let fluid = FluidState { next_step: NextStep::First, ..handed.step.fluid };
         let [elastic, dissipated, _, friction] = handed.step.energy;
@@ -248,7 +196,7 @@ impl Model<'_> {
         let step = StepState { step: None, ramp: None, fluid, elsewhere, ..handed.step };
         self.resume(case, step, &nodal, &interface)?;
         let stepper = &mut self.stepper;
-        stepper.settle()?;
+        stepper.settle(&left)?;
         stepper.platens_jump_from_here()?;
         let here = stepper.work.energies(&stepper.problem);
         let before = [elastic, dissipated, friction];

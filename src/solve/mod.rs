@@ -11,6 +11,7 @@ mod stepping;
 mod levels;
 mod setup;
 mod state;
+mod settle;
 mod handover;
 
 pub use flow::{Coupling, Flow, FluidBalance};
@@ -22,5 +23,5 @@ pub use model::{check_fit, divides, family, starts, strength_factors};
 pub use problem::{Energy, KnownPressure, PlatenSystem, Problem, reactions};
 pub use setup::{Model, build};
 pub use stability::{Instability, Stability};
-pub use state::{INTERFACE_WIDTH, State};
+pub use state::State;
 pub use stepping::{Accepted, Bifurcation, MOST_COUNTED, StepState, Stepper};

@@ -10,8 +10,8 @@ use super::stepping::{Accepted, FluidState, StepState, Stepper};
 use crate::comm::Rows;
 use crate::error::{Error, Result};
 
-/// Numbers of a row of [`State::interface`].
-pub const INTERFACE_WIDTH: usize = 6;
+/// Numbers of a row of [`State::interface`] in the first stage.
+pub(super) const HISTORY_WIDTH: usize = 6;
 
 /// A state with its fields, this rank's own rows.
 pub struct State {
@@ -30,7 +30,8 @@ pub struct State {
     /// displacements at the start of each stage but the first (m).
     pub nodal: Rows,
     /// By secondary node: history (m), energy dissipated per area (J/m2), sliding by tangential
-    /// component (m), its path (m), and the work of friction (J).
+    /// component (m), its path (m), and the work of friction (J). In a later stage by component
+    /// also the misfit, and the jump from which results count (m).
     pub interface: Rows,
 }
 
@@ -63,6 +64,8 @@ impl State {
                 ("dissipated energy", 1),
                 ("sliding", 3),
                 ("work of friction", 1),
+                ("misfit", 3),
+                ("jump at the start", 3),
             ];
             find(&self.interface, &interface)
         })
@@ -117,7 +120,12 @@ impl Stepper<'_> {
         self.before_origin() + (of_start + of_stages) * self.problem.all.dim
     }
 
-    /// Numbers of such a row before the displacement from which results count. Local.
+    /// Numbers of a row of [`State::interface`]. Local.
+    pub fn interface_width(&self) -> usize {
+        HISTORY_WIDTH + if self.stage > 0 { 6 } else { 0 }
+    }
+
+    /// Numbers of a nodal row before the displacement from which results count. Local.
     fn before_origin(&self) -> usize {
         2 * self.problem.all.dim + if self.coupling.is_some() { 2 } else { 0 }
     }
@@ -160,25 +168,25 @@ impl Stepper<'_> {
     }
 
     /// [`State::interface`] of the last accepted state. Local.
-    fn interface_rows(&self) -> Rows {
+    pub(super) fn interface_rows(&self) -> Rows {
         let (all, interfaces) = (&self.problem.all, &self.problem.interfaces);
         let owned = &all.secondary[..all.owned_secondary()];
-        let mut rows: Vec<(u64, [f64; INTERFACE_WIDTH])> = owned
-            .iter()
-            .enumerate()
-            .map(|(index, rows)| {
-                let Sliding { at: [first, second], path, energy, .. } = interfaces.sliding[index];
-                let (largest, dissipated) =
-                    (interfaces.committed[index], interfaces.dissipated[index]);
-                let history = [largest, dissipated, first, second, path, energy];
-                (all.nodes.names[rows.node as usize], history)
-            })
-            .collect();
+        let of_node = |index: usize| -> (u64, Vec<f64>) {
+            let Sliding { at: [first, second], path, energy, .. } = interfaces.sliding[index];
+            let (largest, dissipated) = (interfaces.committed[index], interfaces.dissipated[index]);
+            let mut row = vec![largest, dissipated, first, second, path, energy];
+            if self.stage > 0 {
+                let of = |list: &[[f64; 3]]| list.get(index).copied().unwrap_or_default();
+                row.extend([of(&interfaces.misfit), of(&interfaces.origin)].concat());
+            }
+            (all.nodes.names[owned[index].node as usize], row)
+        };
+        let mut rows: Vec<_> = (0..owned.len()).map(of_node).collect();
         rows.sort_unstable_by_key(|row| row.0);
         Rows {
-            width: INTERFACE_WIDTH,
+            width: self.interface_width(),
             names: rows.iter().map(|row| row.0).collect(),
-            values: rows.iter().flat_map(|row| row.1).collect(),
+            values: rows.into_iter().flat_map(|row| row.1).collect(),
         }
     }
 
@@ -249,6 +257,7 @@ impl Stepper<'_> {
             ..Sliding::default()
         };
         problem.interfaces.sliding = rows.iter().map(sliding).collect();
+        problem.interfaces.resume_stage(&rows, HISTORY_WIDTH);
         problem.convergence.resume(step.scales);
         problem.residual_norm = step.residual_norm;
         if let (Some(path), Some(factor)) = (&mut problem.path, step.load_factor) {

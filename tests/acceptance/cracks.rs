@@ -218,3 +218,50 @@ fn bodies_that_nothing_holds_are_refused() {
         assert!(failure.complaint.contains("can move freely"), "{}", failure.complaint);
     }
 }
+
+/// Tables over a coordinate are what formulas say, at the start and for loads.
+#[test]
+fn tables_over_a_coordinate_are_formulas() {
+    let yaml = "
+mesh: {column: {size: [1.0, 2.0], cells: [5, 4]}}
+materials: {rock: {elastic: {young_modulus: 1.0e9, poisson_ratio: 0.2}}}
+interfaces:
+  - {name: joint, z: 0.5, law: {linear_softening: {strength: 1.0e6, fracture_energy: 1000}}}
+  - {name: bed, z: 1.5, law: {contact: {friction: 0.5}}}
+boundary:
+  - {on: bottom, displacement: {x: 0, z: 0}}
+  - {on: left, displacement: {x: 0}}
+  - {on: top, traction: {z: -1.0e5}}
+time: {instants: [1]}
+probes: [{name: head, at: [0.7, 2.0]}]
+";
+    let scene = Scene::new("tables", yaml);
+    let (stress, gap) = ("initial.stress={zz: VALUE}", "interfaces.1.initial={gap: VALUE}");
+    let load = "boundary.3={on: right, traction: {x: VALUE}}";
+    for (set, table, formula) in [
+        (
+            "interfaces.0.initial={damage: VALUE}",
+            "over: x, table: [[0.2, 1], [0.7, 0]]",
+            "max(0, min(1, (0.7 - x)/0.5))",
+        ),
+        (gap, "over: x, table: [[0, 0], [1, 1.0e-5]]", "1.0e-5*x"),
+        (stress, "over: z, table: [[0, -2.0e5], [2, -1.0e5]]", "-2.0e5 + 0.5e5*z"),
+        (load, "over: z, table: [[0, 0], [1, 1.0e4], [2, 0]]", "1.0e4*(1 - abs(z - 1))"),
+    ] {
+        let with = |value: String| scene.set(&set.replace("VALUE", &value)).in_any_steps().on(1);
+        let run = with(format!("{{{table}}}"));
+        with(format!("{{formula: \"{formula}\"}}")).assert_same(&run, 1e-9);
+    }
+    for (set, table, words) in [
+        (gap, "table: [[0, 0], [1, 1.0e-5]]", "needs `over`: x, y or z"),
+        (gap, "over: y, table: [[0, 0]]", "does not exist in 2D"),
+        (stress, "table: [[0, 0]]", "say what coordinate the table is `over`"),
+        (stress, "over: z, table: [[1, 0], [0, 1]]", "has coordinate 0 after 1"),
+    ] {
+        let set = set.replace("VALUE", &format!("{{{table}}}"));
+        let output = scene.set(&set).launch(1, &crate::scene::fresh(), "", &[]);
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{told}");
+        assert!(told.contains(words), "{set}: {told}");
+    }
+}

@@ -217,3 +217,35 @@ fn a_rounded_block_sticks_inside_and_slips_around() {
     }
     assert!(errors[0] < 0.04 && errors[1] < 0.4 * errors[0], "{errors:?}");
 }
+
+/// Where points give way, slide and turn within steps their work is off; a tolerance bounds that.
+#[test]
+fn a_tolerance_of_steps_closes_the_balance_of_energy() {
+    let yaml = "
+mesh: {column: {size: [1.0, 2.0], cells: [3, 4]}}
+materials: {rock: {elastic: {young_modulus: 1.0e10, poisson_ratio: 0.2}}}
+interfaces:
+  - {name: joint, z: 1.0, law: {linear_softening: {strength: 1.0e6, fracture_energy: 1000, friction: 0.6}}}
+boundary:
+  - {on: bottom, displacement: {x: 0, z: 0}}
+  - on: top
+    displacement: {x: {formula: \"3.0e-3*sin(3*t)\"}, z: {formula: \"-2.0e-4*min(1,5*t)*(1+0.3*t)\"}}
+time: {instants: {from: 0, to: 1, steps: 10}}
+solver: {tolerance: 1.0e-12, stability: \"off\"}
+";
+    let scene = Scene::new("sheared", yaml).in_any_steps();
+    let off = |scene: &Scene| {
+        let run = scene.on(1);
+        let of = |name: &str| run.column(&format!("energy.{name}"));
+        let (external, elastic) = (of("external"), of("elastic"));
+        let (dissipated, friction) = (of("dissipated"), of("friction"));
+        let sums = elastic.iter().zip(&dissipated).zip(&friction).map(|((e, d), f)| e + d + f);
+        let off = external.iter().zip(sums).map(|(w, sum)| (w - sum).abs()).fold(0.0, f64::max);
+        off / external.iter().fold(0.0, |most: f64, w| most.max(w.abs()))
+    };
+    assert!(off(&scene) > 1e-2, "as long as instants ask for");
+    for (tolerance, most) in [("1.0e-3", 1e-3), ("1.0e-5", 1e-5)] {
+        let found = off(&scene.set(&format!("time.tolerance={tolerance}")));
+        assert!(found < most, "{tolerance}: {found:e}");
+    }
+}

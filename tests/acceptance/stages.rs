@@ -97,3 +97,64 @@ fn a_finished_run_is_extended_by_stages() {
     assert_eq!(output.status.code(), Some(2), "{words}");
     assert!(words.contains("`stages.0` is {\"until\":6.0} there"), "{words}");
 }
+
+/// Bodies whose meshes do not match, held along whole sides, of which some are let go.
+fn let_go(dimension: usize, law: &str) -> Scene {
+    let (mesh, axes, front) = match dimension {
+        2 => ("size: [1.3, 1.1], bodies: [{cells: [5, 2]}, {cells: [3, 1], order: 2}]", "x: 0", ""),
+        _ => (
+            "size: [1.0, 0.8, 1.6], bodies: [{cells: [3, 2, 1]}, {cells: [2, 3, 1]}]",
+            "x: 0, y: 0",
+            "{on: front, displacement: free}, ",
+        ),
+    };
+    let held = if front.is_empty() { "" } else { "  - {on: front, displacement: {y: 0}}\n" };
+    let yaml = format!(
+        "
+mesh: {{column: {{{mesh}}}}}
+materials: {{rock: {{elastic: {{young_modulus: 3.0e9, poisson_ratio: 0.2}}}}}}
+interfaces:
+  - {{name: joint, z: 0.6, law: {{{law}}}}}
+boundary:
+  - {{on: bottom, displacement: {{{axes}, z: 0}}}}
+  - {{on: left, displacement: {{x: 0, z: 0}}}}
+  - {{on: right, displacement: {{x: 0, z: 0}}}}
+{held}  - {{on: top, traction: {{x: 2.0e4, z: -1.0e5}}}}
+stages:
+  - {{until: 1}}
+  - {{until: 2, boundary: [{front}{{on: right, displacement: free}}]}}
+  - {{until: 3, boundary: [{{on: left, displacement: {{z: free}}}}, {{on: top, traction: {{z: -5.0e4}}}}],
+     materials: {{rock: {{elastic: {{young_modulus: 2.0e9}}}}}}}}
+time: {{instants: [1, 1.5, 2, 3]}}
+"
+    );
+    Scene::new("let_go", &yaml).set("solver.tolerance=1.0e-12").set("solver.linear=mumps")
+}
+
+#[test]
+fn supports_at_the_edge_of_an_interface_are_let_go_without_work_of_the_mesh() {
+    let laws = [
+        "tied: {}",
+        "linear_softening: {strength: 1.0e8, fracture_energy: 9.0e5}",
+        "exponential_softening: {strength: 1.0e8, fracture_energy: 9.0e5}",
+        "contact: {friction: 9}",
+    ];
+    for (dimension, law) in [(2, laws[1]), (2, laws[2]), (2, laws[3]), (3, laws[0])] {
+        let run = let_go(dimension, law).on(1);
+        energies_close(&run, 1e-10);
+        let jump = run.column("joint.normal_jump.mean");
+        assert!(jump.iter().all(|w| w.abs() < 1e-15), "{law}: {jump:?}");
+    }
+    let scene = let_go(2, laws[1]);
+    let whole = scene.on(3);
+    energies_close(&whole, 1e-10);
+    let stopped = scene.stopped(2, "history:1:term:2", 1);
+    for name in
+        ["energy.external", "joint.force_x", "left.reaction_z", "joint.shear_traction_x.max"]
+    {
+        let (whole, stopped) = (whole.column(name), stopped.column(name));
+        let largest = whole.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let off = whole.iter().zip(&stopped).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-9 * largest, "{name}: {whole:?} {stopped:?}");
+    }
+}

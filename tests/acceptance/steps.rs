@@ -53,3 +53,51 @@ time: {{instants: [1, 2, 3]}}
         }
     }
 }
+
+/// A joint of two modes whose lips turn from opening to sliding, or slide and open a little.
+fn turning(x: &str, z: &str) -> Scene {
+    let yaml = format!(
+        "
+mesh: {{column: {{size: [1.0, 2.0], cells: [1, 2]}}}}
+materials: {{rock: {{elastic: {{young_modulus: 1.0e10, poisson_ratio: 0}}}}}}
+interfaces:
+  - {{name: joint, z: 1.0, law: {{benzeggagh_kenane: {{strength: 1.0e6, shear_strength: 1.5e6,
+     fracture_energy: 500, shear_fracture_energy: 3000, exponent: 2}}}}}}
+boundary:
+  - {{on: bottom, displacement: {{x: 0, z: 0}}}}
+  - {{on: top, displacement: {{x: {{formula: \"{x}\"}}, z: {{formula: \"{z}\"}}}}}}
+time: {{instants: [1]}}
+solver: {{tolerance: 1.0e-11, stability: \"off\"}}
+"
+    );
+    Scene::new("turning", &yaml).in_any_steps()
+}
+
+#[test]
+fn steps_of_turning_modes_are_as_long_as_their_error_allows() {
+    let scene = turning("1.5e-3*t*sin(1.5*t)", "1.2e-3*t*cos(1.2*t)");
+    // In 5120 steps without a tolerance.
+    let (external, dissipated) = (1248.5, 366.48);
+    for (tolerance, off) in [("0.1", 3e-2), ("0.01", 3e-3)] {
+        let run = scene.set(&format!("time.tolerance={tolerance}")).on(1);
+        for (name, value) in [("energy.external", external), ("energy.dissipated", dissipated)] {
+            let found = run.column(name)[0];
+            assert!((found / value - 1.0).abs() < off, "{}: {name} {found}", run.label);
+        }
+    }
+    let coarse = scene.on(1).column("energy.external")[0];
+    assert!((coarse / external - 1.0).abs() > 0.1, "one step is no test: {coarse}");
+}
+
+#[test]
+fn lips_that_are_open_and_pressed_are_not_accepted() {
+    let scene = turning("2.5e-3*t", "2e-4*t");
+    for instants in ["[1]", "[0.5, 1]", "[0.25, 0.5, 0.75, 1]"] {
+        let run = scene.set(&format!("time.instants={instants}")).on(1);
+        let (jump, traction) = ("joint.normal_jump.min", "joint.normal_traction.min");
+        for (jump, traction) in run.column(jump).into_iter().zip(run.column(traction)) {
+            assert!(jump == 0.0 || traction > -1.0, "{}: {jump:e} {traction:e}", run.label);
+        }
+        assert!(run.column(jump).pop() > Some(1e-4), "{}: not open", run.label);
+    }
+}

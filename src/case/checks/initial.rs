@@ -85,6 +85,14 @@ impl Checker<'_> {
     pub(super) fn in_space(&mut self, path: &str, section: &SpatialQuantity, what: &str) -> Value {
         match section {
             SpatialQuantity::Number(number) => Value::Constant(*number),
+            SpatialQuantity::Table(section) => {
+                if section.over.is_none() {
+                    let reason =
+                        format!("needs `over`: x, y or z; {what} is the same at all times");
+                    self.add(path, reason);
+                }
+                self.value(path, &Quantity::Table(section.clone()))
+            }
             SpatialQuantity::Formula(section) => {
                 let value = self.value(path, &Quantity::Formula(section.clone()));
                 if matches!(&value, Value::Formula(formula) if formula.uses_t()) {

@@ -3,7 +3,7 @@
 use super::checker::Checker;
 use super::results::TOTAL;
 use crate::case::sections::file::{BoundarySection, CaseFile, Components};
-use crate::case::sections::quantity::Quantity;
+use crate::case::sections::quantity::{Quantity, TableSection};
 use crate::case::sections::{BoundarySpec, Surface};
 use crate::error::number_text;
 use crate::input::problems::{shortened, suggestion};
@@ -16,19 +16,7 @@ impl Checker<'_> {
     pub(super) fn value(&mut self, path: &str, quantity: &Quantity) -> Value {
         match quantity {
             Quantity::Number(number) => Value::Constant(*number),
-            Quantity::Table(section) => {
-                for (index, pair) in section.table.windows(2).enumerate() {
-                    if pair[1][0] <= pair[0][0] {
-                        let place = format!("{path}.table.{}", index + 1);
-                        let reason = format!(
-                            "has time {} after {}; the times must rise",
-                            pair[1][0], pair[0][0]
-                        );
-                        self.add(&place, reason);
-                    }
-                }
-                Value::Table(section.table.clone())
-            }
+            Quantity::Table(section) => self.table(path, section),
             Quantity::Formula(section) => match Formula::parse(&section.formula) {
                 Ok(formula) => {
                     if !self.is_of_file && self.lacks(1) && formula.uses_y() {
@@ -42,6 +30,28 @@ impl Checker<'_> {
                 }
             },
         }
+    }
+
+    /// A table, over time or over a coordinate.
+    fn table(&mut self, path: &str, section: &TableSection) -> Value {
+        let (what, all) = match section.over {
+            None => ("time", "the times"),
+            Some(_) => ("coordinate", "the coordinates"),
+        };
+        for (index, pair) in section.table.windows(2).enumerate() {
+            if pair[1][0] <= pair[0][0] {
+                let place = format!("{path}.table.{}", index + 1);
+                let (before, after) = (pair[0][0], pair[1][0]);
+                self.add(&place, format!("has {what} {after} after {before}; {all} must rise"));
+            }
+        }
+        let Some(over) = section.over else { return Value::Table(section.table.clone()) };
+        let axis = over as usize;
+        if self.lacks(axis) {
+            let lack = self.lack();
+            self.add(&format!("{path}.over"), lack);
+        }
+        Value::Profile(axis, section.table.clone())
     }
 
     pub(super) fn boundary(&mut self, file: &CaseFile) -> Vec<BoundarySpec> {

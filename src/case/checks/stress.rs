@@ -65,7 +65,9 @@ impl Checker<'_> {
         let value = self.value(path, quantity);
         match &value {
             Value::Table(_) => {
-                self.add(path, "is of the start alone: give a number or a formula in x, y, z");
+                let reason = "is of the start alone: give a number, a formula in x, y, z, or say \
+                              what coordinate the table is `over`";
+                self.add(path, reason);
             }
             Value::Formula(formula) if formula.uses_t() => {
                 self.add(&format!("{path}.formula"), "uses t, but it is of the start alone");

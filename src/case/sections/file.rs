@@ -259,8 +259,9 @@ pub struct TimeSection {
     /// Weight of the end of each step of the flow, 0.5 to 1; default: 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub theta: Option<f64>,
-    /// Error of the pore pressure that one step may make, over the largest pressure so far: steps
-    /// are as long as that allows. Default: one step per instant.
+    /// Error that one step may make: of the pore pressure over the largest so far, of the traction
+    /// of interfaces over their strength, of the work over the energy. Steps are as long as that
+    /// allows. Default: one step per instant.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     pub tolerance: Option<f64>,

@@ -63,8 +63,9 @@ pub use mesh::{
 };
 pub use output::{Expectation, Fields, OutputSpec, Probe};
 pub use quantity::{
-    CheckpointSection, FluidSection, FormulaSection, ImperfectionSection, InitialSection,
-    InterfaceInitialSection, LimitsSection, Quantity, SpatialQuantity, StressSection, TableSection,
+    CheckpointSection, Coordinate, FluidSection, FormulaSection, ImperfectionSection,
+    InitialSection, InterfaceInitialSection, LimitsSection, Quantity, SpatialQuantity,
+    StressSection, TableSection,
 };
 pub use rigid::{
     AxesSection, Motion, MotionSection, MotionWord, RigidSection, RigidSpec, RotationSection,

@@ -3,13 +3,13 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A number, a table over time or a formula.
+/// A number, a table over time or over a coordinate, or a formula.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Quantity {
     /// The same everywhere and always.
     Number(f64),
-    /// Over time.
+    /// Over time or over a coordinate.
     Table(TableSection),
     /// In space and time.
     Formula(FormulaSection),
@@ -19,9 +19,24 @@ pub enum Quantity {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TableSection {
-    /// Pairs of time and value, with rising times.
+    /// Pairs of time, or of the coordinate, and value; the first ones rise.
     #[schemars(length(min = 1, max = 100_000))]
     pub table: Vec<[f64; 2]>,
+    /// The coordinate; default: the time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub over: Option<Coordinate>,
+}
+
+/// A coordinate of points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Coordinate {
+    /// x.
+    X,
+    /// y.
+    Y,
+    /// z.
+    Z,
 }
 
 /// A formula.
@@ -152,12 +167,14 @@ pub struct ImperfectionSection {
     pub factor: SpatialQuantity,
 }
 
-/// A number, or a formula in space.
+/// A number, a table over a coordinate, or a formula in space.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum SpatialQuantity {
     /// The same everywhere.
     Number(f64),
+    /// Over a coordinate.
+    Table(TableSection),
     /// In x, y, z.
     Formula(FormulaSection),
 }
@@ -188,7 +205,7 @@ impl From<f64> for Quantity {
 /// Pairs of time and value.
 impl From<Vec<[f64; 2]>> for Quantity {
     fn from(table: Vec<[f64; 2]>) -> Self {
-        Quantity::Table(TableSection { table })
+        Quantity::Table(TableSection { table, over: None })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::gaps::NodeData;
 pub use super::node_law::{JointLaw, NodeLaw};
-use super::sliding::{Reached, Sliding};
+use super::sliding::Sliding;
 use crate::assembly::{Discretization, NodeState};
 use crate::comm::Comm;
 use crate::interface::{JumpRow, JumpRows};
@@ -50,17 +50,20 @@ pub(in crate::solve) struct History {
 
 /// State of the secondary nodes that this rank owns, in the order of `Discretization::secondary`.
 pub struct InterfaceState {
-    dim: usize,
+    pub(super) dim: usize,
     /// The law of each interface.
     pub laws: Vec<JointLaw>,
     /// What strength and fracture energy of the interface are multiplied by at each node.
     pub factors: Vec<f64>,
     /// Gap at each node before anything moves, along the normal (m).
     pub gaps: Vec<f64>,
+    /// What of the jump at each node its law does not see, as it was there when the stage began and
+    /// its multipliers were shared out (m); empty in the first stage.
+    pub(in crate::solve) misfit: Vec<[f64; 3]>,
     /// Largest equivalent jump that the damage at the start stands for (m).
     pub initial: Vec<f64>,
     /// Jump at each node from which results count (m); empty where it is 0.
-    pub(super) origin: Vec<[f64; 3]>,
+    pub(in crate::solve) origin: Vec<[f64; 3]>,
     /// Largest equivalent jump at the last accepted state (m).
     pub committed: Vec<f64>,
     /// Energy per area dissipated up to the last accepted state (J/m2), without friction; with that
@@ -106,6 +109,7 @@ impl InterfaceState {
             laws,
             factors,
             gaps,
+            misfit: Vec::new(),
             initial: vec![0.0; owned],
             origin: Vec::new(),
             committed: vec![0.0; owned],
@@ -173,9 +177,8 @@ impl InterfaceState {
                     jump[c] = row.trace(rows.own(c), |unknown| u[unknown as usize]);
                 }
             }
-            if self.gaps[index] != 0.0 {
-                jump[dim - 1] += self.gaps[index];
-            }
+            let beyond = self.beyond(index);
+            (0..dim).for_each(|c| jump[c] += beyond[c]);
             let (damping, from) = match &self.damping {
                 Some(damping) => (damping.stiffness, damping.from[index]),
                 None => (0.0, [0.0; 3]),
@@ -257,19 +260,6 @@ impl InterfaceState {
             self.accepted[index] = self.augmented(all, index);
             let law = self.law_at(index, &all.secondary[index]);
             self.sliding[index].traction = self.reached(index).friction(law);
-        }
-    }
-
-    /// What the state that was evaluated last has at a node, with the accepted history. Local.
-    fn reached(&self, index: usize) -> Reached {
-        let (response, history) = (&self.response[index], self.committed[index]);
-        let tangent = |c: usize| c + 1 < self.dim;
-        let of = |at: &dyn Fn(usize) -> f64| [0, 1].map(|c| if tangent(c) { at(c) } else { 0.0 });
-        Reached {
-            is_closed: response.branch.is_closed(),
-            history,
-            sliding: of(&|c| response.jump[c] - response.defect[c]),
-            shear: of(&|c| response.bulk_traction[c]),
         }
     }
 

@@ -69,6 +69,12 @@ impl<'a> NodeLaw<'a> {
         !self.law.friction().is_none()
     }
 
+    /// What friction bears on a point with this history under a `normal` traction (Pa).
+    pub fn bearable(&self, history: f64, normal: f64) -> f64 {
+        let Friction { coefficient, cohesion } = self.law.friction();
+        self.broken_part(history) * (cohesion - coefficient * normal)
+    }
+
     /// The tangential traction of the cohesive part of a point that has slid (Pa).
     pub fn cohesive_shear(&self, history: f64, sliding: [f64; 2]) -> [f64; 2] {
         sliding

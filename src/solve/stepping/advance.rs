@@ -96,7 +96,7 @@ impl Stepper<'_> {
             let mut before = self.x.duplicate()?;
             before.copy_from(&self.x)?;
             // The step is made again by the run that goes on.
-            let tried = self.try_to(target, &before, way.size, total);
+            let tried = self.try_to(target, &before, &way, total);
             let Some(tried) = tried.inspect_err(|_| *total = counts)? else {
                 tracing::debug!("  step from {} to {target} was too long for flow", self.time);
                 self.x.copy_from(&before)?;
@@ -106,7 +106,8 @@ impl Stepper<'_> {
                 self.take(tried)?;
                 total.steps += 1;
                 self.longest = self.longest.max(started.elapsed());
-                way.size.step *= 2.0;
+                // Errors of steps grow with their length.
+                way.size.step *= if self.excess > 0.5 { 1.0 } else { 2.0 };
                 if self.time < instant && self.problem.pulse.is_slow() {
                     self.paused = Some(way.size);
                     return Ok(());
@@ -141,13 +142,13 @@ impl Stepper<'_> {
         pace.map_or(target, |pace| pace.target(self.time, target))
     }
 
-    /// Tries the step to `target`, of a `size` that may be cut, from `before`; none where it was
-    /// too long for the flow. Collective.
+    /// Tries the step to `target`, on a `way` on which it may be cut, from `before`; none where it
+    /// was too long for the flow. Collective.
     fn try_to(
         &mut self,
         target: f64,
         before: &Vector,
-        size: StepSize,
+        way: &Way,
         total: &mut Accepted,
     ) -> Result<Option<Tried>> {
         let (report, unstable) = self.attempt(target, before, total)?;
@@ -159,11 +160,15 @@ impl Stepper<'_> {
             return Ok(None);
         }
         let consequence = match &unstable {
-            Some(found) => self.consequence(found, size, total)?,
+            Some(found) => self.consequence(found, way.size, total)?,
             None => Consequence::Taken,
         };
         let is_cut = matches!(consequence, Consequence::Cut);
-        let doubt = if converged && !is_cut { self.doubt(target) } else { None };
+        let mut doubt = if converged && !is_cut { self.doubt(target) } else { None };
+        let is_cut = is_cut || doubt.as_ref().is_some_and(|of| of.is_worth(way.size, way.is_last));
+        if converged && !is_cut {
+            doubt = self.without_pressed_lips(doubt, total)?;
+        }
         Ok(Some(Tried { target, report, unstable, consequence, doubt }))
     }
 
@@ -203,7 +208,7 @@ impl Stepper<'_> {
                  goes on)"
             )));
         }
-        way.was_doubted |= tried.doubt.as_ref().is_some_and(|doubt| !doubt.is_final);
+        way.was_doubted |= tried.doubt.as_ref().is_some_and(Doubt::can_be_borne);
         if way.size.is_smallest() && way.was_doubted && !way.is_last {
             let instant = way.instant;
             tracing::info!("  step from {time} to {target} failed: {why}; {instant} at once");

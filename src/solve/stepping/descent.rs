@@ -127,13 +127,12 @@ impl Stepper<'_> {
         let mut u = self.x.read()?.to_vec();
         u.resize(all.nodes.len() * all.dim, 0.0);
         all.nodes.update_ghosts(&mut u, all.dim);
-        let gaps = &self.problem.interfaces.gaps;
-        let jump = |index: usize, c| match c {
-            c if c + 1 < all.dim => all.jump(index, c, &u),
-            c if c < all.dim => all.jump(index, c, &u) + gaps[index],
-            _ => 0.0,
+        let at = |index: usize| -> [f64; 3] {
+            let beyond = self.problem.interfaces.beyond(index);
+            let jump =
+                |c: usize| if c < all.dim { all.jump(index, c, &u) + beyond[c] } else { 0.0 };
+            std::array::from_fn(jump)
         };
-        let at = |index| std::array::from_fn(|c| jump(index, c));
         Ok((0..all.owned_secondary()).map(at).collect())
     }
 

@@ -88,6 +88,8 @@ pub struct Stepper<'a> {
     pub(super) tries_smaller_steps: bool,
     /// Whether the running step was cut for an unstable state.
     is_cutting: bool,
+    /// Error of the step that was judged last, over `time.tolerance`; 0 without one.
+    excess: f64,
     /// The steps to go on with after a pause before the instant.
     paused: Option<StepSize>,
     /// Whether conjugate gradients have met an indefinite tangent.
@@ -142,6 +144,7 @@ impl<'a> Stepper<'a> {
             initial_pore_force: Vec::new(),
             tries_smaller_steps,
             is_cutting: false,
+            excess: 0.0,
             paused: None,
             is_indefinite: false,
             work,

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use super::doubts::Doubt;
 use super::step_size::StepSize;
 use super::words::in_words;
 use super::{Accepted, Coupling, MOST_HALVINGS, Stepper};
@@ -98,11 +99,14 @@ impl Stepper<'_> {
             total.count(&report);
             let converged = report.reason.is_converged();
             let mut doubt = if converged { self.doubt(start) } else { None };
-            if converged
-                && !doubt
-                    .as_ref()
-                    .is_some_and(|doubt| doubt.is_worth(StepSize { step, smallest }, false))
-            {
+            let size = StepSize { step, smallest };
+            let is_cut = |doubt: &Option<Doubt>| {
+                doubt.as_ref().is_some_and(|doubt| doubt.is_worth(size, false))
+            };
+            if converged && !is_cut(&doubt) {
+                doubt = self.without_pressed_lips(doubt, total)?;
+            }
+            if converged && !is_cut(&doubt) {
                 if let Some(doubt) = doubt.take() {
                     self.bear(doubt)?;
                 }
