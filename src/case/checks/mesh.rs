@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::checker::Checker;
+use crate::case::sections::GradingSection;
 use crate::case::sections::file::{CaseFile, ColumnSection};
 use crate::case::{Cells, ColumnSpec, FileSpec, MeshSource, MeshSpec};
 use crate::error::number_text;
@@ -30,7 +31,8 @@ impl Checker<'_> {
         let source = source.unwrap_or_else(|| {
             self.broken.insert("mesh".to_owned());
             let cells = Cells::Uniform([1; 3]);
-            MeshSource::Boxes(ColumnSpec { size: vec![1.0; 2], cells, orders: vec![1] })
+            let (size, orders, grading) = (vec![1.0; 2], vec![1], GradingSection::default());
+            MeshSource::Boxes(ColumnSpec { size, cells, orders, grading })
         });
         MeshSpec { source, formulation: section.formulation, refine: section.refine }
     }
@@ -79,7 +81,8 @@ impl Checker<'_> {
             Some(bodies) => bodies.iter().map(|body| order(body.order)).collect(),
             None => vec![order(None)],
         };
-        is_sound.then(|| ColumnSpec { size: column.size.clone(), cells, orders })
+        let (size, grading) = (column.size.clone(), column.grading.clone().unwrap_or_default());
+        is_sound.then_some(ColumnSpec { size, cells, orders, grading })
     }
 
     fn grid(&mut self, path: &str, cells: &[u64]) -> Option<[usize; 3]> {

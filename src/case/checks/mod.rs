@@ -4,6 +4,7 @@ mod checker;
 mod control;
 mod flow;
 mod fluid;
+mod grading;
 mod initial;
 mod interface_initial;
 mod interfaces;
@@ -87,7 +88,7 @@ impl Checker<'_> {
             self.agreement(&boundary, &time);
         }
         if mesh.column().is_some() {
-            self.boxes(&mesh, &materials, &interfaces, flow.is_some());
+            self.boxes(&file, &mesh, &materials, &interfaces, flow.is_some());
             self.held(&mesh, &interfaces, &boundary);
         }
         let initial_stress = self.initial_stress(&file, &materials);
@@ -135,6 +136,7 @@ impl Checker<'_> {
     /// What lies beside the interfaces of a column, and how many cells it has.
     fn boxes(
         &mut self,
+        file: &CaseFile,
         mesh: &MeshSpec,
         materials: &[Material],
         interfaces: &[InterfaceSpec],
@@ -142,6 +144,7 @@ impl Checker<'_> {
     ) {
         let Some(column) = mesh.column() else { return };
         if self.sound(&["mesh", "materials", "interfaces"]) {
+            self.grading(file, column, materials, interfaces);
             self.films(column, materials, interfaces);
             self.cells(column, mesh.refine, materials, interfaces, flow);
         }

@@ -11,7 +11,8 @@ use super::quantity::{
     Quantity,
 };
 use super::{
-    Formulation, Gap, Porous, Reduce, RigidSection, Side, SolverSpec, StageSection, Surface,
+    Formulation, Gap, GradingSection, Porous, Reduce, RigidSection, Side, SolverSpec, StageSection,
+    Surface,
 };
 use crate::law::LawSpec;
 
@@ -126,6 +127,9 @@ pub struct ColumnSection {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1, max = 1001))]
     pub bodies: Option<Vec<BodySection>>,
+    /// Cells that grow away from named places.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grading: Option<GradingSection>,
 }
 
 /// A body between interfaces.

@@ -40,6 +40,7 @@ mod boundary;
 mod constructors;
 mod instants;
 pub(crate) mod file;
+pub(crate) mod grading;
 mod interface;
 mod material;
 mod mesh;
@@ -56,6 +57,7 @@ pub use file::{
     InterfaceSection, MaterialSection, MeshSection, OpeningSection, OutputSection, Physics,
     ProbeSection, TimeSection,
 };
+pub use grading::{AxisGrading, GradingSection};
 pub use interface::{FilmSpec, Gap, InterfaceInitial, InterfaceSpec, Location, Side};
 pub use material::{Material, Porous};
 pub use mesh::{
