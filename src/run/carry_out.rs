@@ -97,7 +97,7 @@ pub fn carry_out(
         (None, _) => None,
     };
     screen::describe(comm, case, &model, solution.reduction());
-    way.remark(case, &mut model, &solution, of_mesh);
+    model.stepper.remarks.splice(..0, of_mesh);
     let session = Session::new(comm, timers, case, directory, state, solution);
     way.through_stages(case, &cases, model, session, output.is_some_and(|output| output.page))
 }
@@ -156,7 +156,6 @@ impl<'w> Way<'w> {
             match handed.and_then(|handed| self.next(case, &cases[next], next, handed)) {
                 Ok((begun, solution)) => {
                     model = begun;
-                    self.remark(case, &mut model, &solution, Vec::new());
                     session.enter(solution);
                 }
                 Err(error) => return Err(session.leave(error)),
@@ -192,23 +191,6 @@ impl<'w> Way<'w> {
             Error::Input(text) => Error::Input(format!("stages.{number}: {text}")),
             other => other,
         })
-    }
-
-    /// Tells what is to be said of a model and its mesh. Collective.
-    fn remark(
-        &self,
-        case: &Case,
-        model: &mut Model<'_>,
-        solution: &Solution,
-        of_mesh: Vec<String>,
-    ) {
-        let unresolved = solution.unresolved_zones(case, model);
-        if model.stepper.stage == 0 {
-            unresolved.iter().for_each(|words| tracing::warn!("warning: {words}"));
-        }
-        let remarks = &mut model.stepper.remarks;
-        remarks.splice(..0, of_mesh);
-        remarks.extend(unresolved);
     }
 
     /// The model that was asked for, and where its states come from. Collective.

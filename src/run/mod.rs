@@ -19,6 +19,7 @@ mod screen;
 mod session;
 mod solution;
 mod summary;
+mod zones;
 
 use std::cell::RefCell;
 use std::path::Path;
