@@ -44,6 +44,8 @@ pub struct Case {
     pub solver: SolverSpec,
     /// Whether a smaller model may take its place.
     pub reduce: Reduce,
+    /// Times between instants at which steps end (s).
+    pub stops: Vec<f64>,
     /// What is written.
     pub output: OutputSpec,
     /// Wall-clock time after which the run stops (s).

@@ -69,6 +69,8 @@ impl Checker<'_> {
                 let grids: Vec<Option<[usize; 3]>> = grids.collect();
                 Cells::Bodies(grids.into_iter().collect::<Option<_>>()?)
             }
+            // They are found.
+            (None, None) if file.accuracy.is_some() => Cells::Uniform([1; 3]),
             (both, _) => {
                 let what = if both.is_some() { "has both" } else { "needs" };
                 let word = if both.is_some() { "and" } else { "or" };
@@ -76,7 +78,8 @@ impl Checker<'_> {
                 return None;
             }
         };
-        let order = |given: Option<u32>| given.or(file.mesh.order).unwrap_or(1) as usize;
+        let by_default = if file.accuracy.is_some() { 2 } else { 1 };
+        let order = |given: Option<u32>| given.or(file.mesh.order).unwrap_or(by_default) as usize;
         let orders = match &column.bodies {
             Some(bodies) => bodies.iter().map(|body| order(body.order)).collect(),
             None => vec![order(None)],

@@ -1,5 +1,6 @@
 //! From the sections of the file to the checked case: the rules that span several keys.
 
+mod accuracy;
 mod checker;
 mod control;
 mod flow;
@@ -63,7 +64,7 @@ fn write_out(file: &mut CaseFile, path: &Path, physics: PhysicsDecision) {
     if file.mesh.file.is_some() {
         file.mesh.scale.get_or_insert(1.0);
     } else {
-        file.mesh.order.get_or_insert(1);
+        file.mesh.order.get_or_insert(if file.accuracy.is_some() { 2 } else { 1 });
     }
 }
 
@@ -121,6 +122,7 @@ impl Checker<'_> {
             control,
             solver: file.solver.clone(),
             reduce: file.reduce,
+            stops: Vec::new(),
             output,
             wall,
             probes,
@@ -129,6 +131,7 @@ impl Checker<'_> {
             file,
         };
         self.history(&case);
+        self.accuracy(&case);
         case.expect = self.expectations(&case);
         if self.problems.is_empty() { Ok(case) } else { Err(self.problems.into_error()) }
     }

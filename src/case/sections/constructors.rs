@@ -35,6 +35,7 @@ impl CaseFile {
             control: None,
             solver: SolverSpec::default(),
             reduce: Reduce::default(),
+            accuracy: None,
             output: OutputSection::default(),
             limits: None,
             probes: Vec::new(),

@@ -11,8 +11,8 @@ use super::quantity::{
     Quantity,
 };
 use super::{
-    Formulation, Gap, GradingSection, Porous, Reduce, RigidSection, Side, SolverSpec, StageSection,
-    Surface,
+    AccuracySection, Formulation, Gap, GradingSection, Porous, Reduce, RigidSection, Side,
+    SolverSpec, StageSection, Surface,
 };
 use crate::law::LawSpec;
 
@@ -64,6 +64,9 @@ pub struct CaseFile {
     /// the same.
     #[serde(default)]
     pub reduce: Reduce,
+    /// Which results are wanted, and how exactly, in the place of the cells of the mesh.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<AccuracySection>,
     /// What is written.
     #[serde(default)]
     pub output: OutputSection,

@@ -36,6 +36,7 @@
 //! # Ok::<(), column_hpc::error::Error>(())
 //! ```
 
+mod accuracy;
 mod boundary;
 mod constructors;
 mod instants;
@@ -50,6 +51,7 @@ mod rigid;
 mod solver;
 mod stage;
 
+pub use accuracy::{AccuracyBudget, AccuracyInstants, AccuracySection, AccuracyWord};
 pub use boundary::{BoundarySpec, Surface, SurfaceBit};
 pub use file::{
     BodySection, BoundarySection, CaseFile, ColumnSection, Components, ControlSection,

@@ -77,6 +77,8 @@ impl Session<'_> {
             residual_norms: self.residual_norms.clone(),
             instabilities: stepper.instabilities_in_words(),
             bifurcations: stepper.bifurcations_in_words(),
+            is_unresolved: !ending.unresolved.is_empty(),
+            accuracy: None,
             remarks: [stepper.remarks(), ending.unresolved].concat(),
             linear_solver,
             timings: measured.timings,
