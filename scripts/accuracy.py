@@ -63,7 +63,7 @@ def scenes():
         ),
         "sheared 2D": column(
             [1, 2], 1, {"rock": ROCK}, {"tied": {}}, moved(x=formula("1e-3*t"), z=0),
-            ["top.reaction_x", "joint.shear_traction_x.mean", LARGEST],
+            ["top.reaction_x", "joint.shear_traction_x.mean", "joint.shear_traction_x.max"],
         ),
         "two materials": column(
             [1, 4], 2, layers, SOFTENING, moved(x=formula("1e-4*t"), z=tilt2), of, (1, 2)
@@ -95,8 +95,7 @@ def scenes():
                     "elastic": {"young_modulus": 1e8, "poisson_ratio": 0.2},
                     "porous": {
                         "biot": 1.0, "porosity": 0.3, "permeability": 1e-12, "viscosity": 1e-3,
-                        "fluid_compressibility": 4e-10, "fluid_density": 0.0, "density": 0.0,
-                        "reference_pressure": 0.0,
+                        "fluid_compressibility": 4e-10, "fluid_density": 1000.0, "density": 2000.0,
                     },
                 }
             },

@@ -58,7 +58,7 @@ impl Case {
         }
         case.mesh = self.mesh;
         // What a search for accuracy has set.
-        (case.solver, case.stops) = (self.solver, self.stops);
+        (case.solver, case.search) = (self.solver, self.search);
         Ok(case)
     }
 

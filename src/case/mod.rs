@@ -13,7 +13,7 @@ mod stages;
 
 pub use crate::input::{Formula, Value};
 pub use crate::law::LawSpec;
-pub use checked::{Case, Stage};
+pub use checked::{Case, Search, Stage};
 pub use checks::{
     AtRest, BULK, CLOSEST_PLANES, Control, ControlKind, Every, FlowSpec, Imperfection,
 };
@@ -92,7 +92,7 @@ impl Case {
             None => {}
         }
         let mut times: Vec<f64> = values.iter().flat_map(|value| value.breakpoints()).collect();
-        times.extend(&self.stops);
+        times.extend(&self.search.stops);
         times.retain(|time| self.start < *time && self.time.last().is_some_and(|end| time < end));
         times.sort_by(f64::total_cmp);
         times.dedup();

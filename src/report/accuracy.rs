@@ -45,7 +45,8 @@ pub struct Quantity {
 /// What an error is made of, each part with its sign.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Parts {
-    /// Of the mesh, by axis; the mesh of a file has one part, `refine`.
+    /// Of the mesh, by axis, and `mixed`: what the axes leave together and not one by one; the mesh
+    /// of a file has one part, `refine`.
     pub mesh: BTreeMap<String, f64>,
     /// Of the interfaces, where that can be told from `mesh`: on lattices the planes across an
     /// interface are those of the bodies.

@@ -227,6 +227,9 @@ impl<'w> Way<'w> {
         let unknowns = problem.all.nodes.total * case.dim as u64;
         let situation = Situation { unknowns, goes_on, has_options, has_stages };
         let solution = Solution::choose(runtime, timers, case, &problem, situation)?;
+        if case.search.needs_smaller && solution.is_asked() {
+            return Err(Error::Numerics(solution.reduction().why.clone()));
+        }
         let _phase = timers.enter(Phase::Assembly);
         let choice = solution.linear_choice(choice);
         let model = solve::build(runtime, timers, case, choice, problem, meshes)?;

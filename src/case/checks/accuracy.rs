@@ -1,16 +1,23 @@
 //! Which results are wanted, and how exactly.
 
 use super::checker::Checker;
-use crate::case::Case;
 use crate::case::sections::AccuracyInstants;
+use crate::case::{Case, Expectation};
 use crate::input::problems::{shortened, suggestion};
 
 /// Columns that no mesh makes more exact.
 const COUNTS: [&str; 4] = ["time", "load_factor", "newton_iterations", "linear_iterations"];
 
 impl Checker<'_> {
+    /// What is wanted of the results, and what they must be.
+    pub(super) fn wanted(&mut self, case: &Case) -> Vec<Expectation> {
+        self.history(case);
+        self.accuracy(case);
+        self.expectations(case)
+    }
+
     /// What is wanted must be there.
-    pub(super) fn accuracy(&mut self, case: &Case) {
+    fn accuracy(&mut self, case: &Case) {
         let Some(section) = &case.file.accuracy else { return };
         // That of the whole case has been looked at.
         if self.end_of_stage.is_some() {

@@ -36,7 +36,8 @@ use control::Instants;
 
 use crate::case::sections::file::{CaseFile, Physics};
 use crate::case::{
-    BoundarySpec, Case, Form, InterfaceSpec, Linear, Material, MeshSpec, SolverSpec, Stability,
+    BoundarySpec, Case, Form, InterfaceSpec, Linear, Material, MeshSpec, Search, SolverSpec,
+    Stability,
 };
 use crate::error::Result;
 use crate::input::problems::shortened;
@@ -122,7 +123,7 @@ impl Checker<'_> {
             control,
             solver: file.solver.clone(),
             reduce: file.reduce,
-            stops: Vec::new(),
+            search: Search::default(),
             output,
             wall,
             probes,
@@ -130,9 +131,7 @@ impl Checker<'_> {
             left_out: std::mem::take(&mut self.left_out),
             file,
         };
-        self.history(&case);
-        self.accuracy(&case);
-        case.expect = self.expectations(&case);
+        case.expect = self.wanted(&case);
         if self.problems.is_empty() { Ok(case) } else { Err(self.problems.into_error()) }
     }
 

@@ -20,7 +20,8 @@ fn what_the_run_cannot_give_is_told_with_what_there_is() {
     let start = "accuracy.of.0 cannot be `top.reaction`: it is no result of the run; did you mean \
                  `top.reaction_";
     assert!(text.contains(start) && text.contains("joint.damage.{min,max,mean}"), "{text}");
-    let text = message("mesh", "mesh", &["accuracy={of: [top.reaction_z], at: [17], relative: 0.1}"]);
+    let text =
+        message("mesh", "mesh", &["accuracy={of: [top.reaction_z], at: [17], relative: 0.1}"]);
     assert!(text.contains("accuracy.at.0 must be one of time.instants"), "{text}");
     let both = ["accuracy={of: [top.reaction_z], relative: 0.1}", "mesh.refine=1"];
     assert!(message("mesh", "mesh", &both).contains("mesh.refine cannot stand beside accuracy"));

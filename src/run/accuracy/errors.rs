@@ -29,6 +29,8 @@ pub struct Beside {
 pub struct Errors {
     /// Of the cells along each axis.
     pub axes: Vec<Vec<Part>>,
+    /// Of the cells along all axes together, whose errors mix where edges and corners make them.
+    pub together: Vec<Part>,
     /// Of steps and solver.
     pub beside: Beside,
     /// What may be missing of each wanted value.
@@ -71,9 +73,10 @@ impl Errors {
 
     /// The sum of the sizes of all parts of a value.
     pub fn size(&self, value: usize) -> f64 {
-        let axes = self.axes.iter().map(|parts| parts[value].missing.abs());
+        let axes: f64 = self.axes.iter().map(|parts| parts[value].missing.abs()).sum();
         let time = self.beside.time.as_ref().map_or(0.0, |time| time[value].missing.abs());
-        axes.sum::<f64>() + time + self.beside.solver[value].abs()
+        let cells = axes.max(self.together[value].missing.abs());
+        cells + time + self.beside.solver[value].abs()
     }
 
     /// The largest of all, over what is allowed.
@@ -84,9 +87,14 @@ impl Errors {
 
     /// All that is missing of a value, with its sign.
     pub fn missing(&self, value: usize) -> f64 {
-        let axes = self.axes.iter().map(|parts| parts[value].missing);
         let time = self.beside.time.as_ref().map_or(0.0, |time| time[value].missing);
-        axes.sum::<f64>() + time + self.beside.solver[value]
+        self.together[value].missing + time + self.beside.solver[value]
+    }
+
+    /// What the cells along all axes leave together and not one by one.
+    pub fn mixed(&self, value: usize) -> f64 {
+        let axes: f64 = self.axes.iter().map(|parts| parts[value].missing).sum();
+        self.together[value].missing - axes
     }
 
     /// Whether all parts of a value that count behave as the estimate takes for granted.
@@ -94,36 +102,59 @@ impl Errors {
         let counts = |part: &Part| over(part.missing, self.allowed[value]) > SMALL;
         let sound = |part: &Part| part.trusted || !counts(part);
         let time = self.beside.time.as_ref().is_none_or(|time| sound(&time[value]));
-        self.axes.iter().all(|parts| sound(&parts[value])) && time
+        let axes = self.axes.iter().all(|parts| sound(&parts[value]));
+        axes && time && sound(&self.together[value])
     }
 }
 
-/// The errors of the cells of the mesh at `base`, by meshes that are coarser along one axis each.
-/// Collective.
+/// The errors of the cells of the mesh at `base`, by meshes that are coarser along one axis each,
+/// and by those that are so along all. Collective.
 ///
 /// # Errors
 /// Those of the runs, but for meshes that cannot be solved.
 pub fn of_cells(trials: &mut Trials<'_>, base: usize, allowed: &[f64]) -> Result<Vec<Vec<Part>>> {
     let (plan, order) = (trials.tried[base].plan, trials.family.order());
     let reduced = trials.tried[base].reduced;
+    // A smaller model of the bodies as wholes is exact along the axes that it has left out.
+    let is_exact = |axis: usize| reduced.is_some_and(|(kept, _)| !kept[axis]);
     let mut axes = Vec::new();
     for (axis, name) in trials.family.axes() {
-        // A smaller model of the bodies as wholes is exact along the axes that it has left out.
-        if reduced.is_some_and(|(kept, _)| !kept[axis]) {
-            axes.push(vec![Part::NONE; allowed.len()]);
-            continue;
-        }
-        let mut coarser = Vec::new();
-        for times in 1..=2 {
-            let Some(level) = plan.levels[axis].checked_sub(times) else { break };
-            let mut other: Plan = plan;
-            other.levels[axis] = level;
-            let word = ["half", "a quarter"][times as usize - 1];
-            coarser.push(trials.solve(other, &format!("{name} with {word} of the cells"))?);
-        }
-        axes.push(parts(trials, base, &coarser, allowed, order));
+        let along: &[usize] = if is_exact(axis) { &[] } else { &[axis] };
+        let coarser = coarser(trials, plan, along, name)?;
+        axes.push(match along {
+            [] => vec![Part::NONE; allowed.len()],
+            _ => parts(trials, base, &coarser, allowed, order),
+        });
     }
-    Ok(axes)
+    let along: Vec<usize> =
+        trials.family.axes().into_iter().map(|of| of.0).filter(|axis| !is_exact(*axis)).collect();
+    if along.is_empty() {
+        return Ok((axes, vec![Part::NONE; allowed.len()]));
+    }
+    let coarser = coarser(trials, plan, &along, "all axes")?;
+    let together = parts(trials, base, &coarser, allowed, order);
+    // Where those of all do not fall as they should, the sum of the axes says more.
+    let better = |(value, part): (usize, Part)| {
+        let sum: f64 = axes.iter().map(|parts| parts[value].missing).sum();
+        let axes_are_sound = axes.iter().all(|parts: &Vec<Part>| parts[value].trusted);
+        let missing = if !part.trusted && axes_are_sound { sum } else { part.missing };
+        Part { missing, ..part }
+    };
+    let together = together.into_iter().enumerate().map(better).collect();
+    Ok((axes, together))
+}
+
+/// The places of meshes with a half and a quarter of the cells along some axes. Collective.
+fn coarser(trials: &mut Trials<'_>, plan: Plan, along: &[usize], name: &str) -> Result<Vec<usize>> {
+    let mut coarser = Vec::new();
+    let least = along.iter().map(|axis| plan.levels[*axis]).min().unwrap_or(0);
+    for times in 1..=least.min(2) {
+        let mut other = Plan { needs_smaller: false, ..plan };
+        along.iter().for_each(|axis| other.levels[*axis] -= times);
+        let word = ["half", "a quarter"][times as usize - 1];
+        coarser.push(trials.solve(other, &format!("{name} with {word} of the cells"))?);
+    }
+    Ok(coarser)
 }
 
 /// The parts of all values from a mesh and up to two others, each halved against the next.
@@ -141,6 +172,13 @@ fn parts(
     (0..allowed.len()).map(of).collect()
 }
 
+/// Halvings of the steps that are tried.
+const MOST_HALVINGS: usize = 7;
+
+/// Tolerances of the solver that are tried.
+const TIGHTER: f64 = 1e-2;
+const TIGHTEST: f64 = 1e-13;
+
 /// Steps of such a length and a tolerance of the solver that leave little, found on the mesh of
 /// `plan`, which gets them; `share` of what is asked may be left by each. Collective.
 ///
@@ -153,18 +191,23 @@ pub fn beside(
     relative: f64,
     share: f64,
 ) -> Result<Beside> {
-    /// Halvings of the steps that are tried.
-    const MOST: u32 = 7;
-    const TIGHTER: f64 = 1e-2;
-    const TIGHTEST: f64 = 1e-13;
-    let instants = trials.instants();
-    let Some(mut values) = trials.tried[base].values.clone() else {
-        let (wanted, time) = (trials.wanted().len(), None);
-        return Ok(Beside { time, solver: vec![0.0; wanted] });
-    };
-    let scales = trials.tried[base].scales.clone();
-    let mut allowed = allowed(&values, &scales, instants, relative);
-    let mut solver = vec![0.0; values.len()];
+    let solver = of_solver(trials, plan, base, relative, share)?;
+    let time =
+        if trials.has_steps() { Some(of_steps(trials, plan, relative, share)?) } else { None };
+    Ok(Beside { time, solver })
+}
+
+/// What the tolerance of the solver leaves, which is made tighter until that is little. Collective.
+fn of_solver(
+    trials: &mut Trials<'_>,
+    plan: &mut Plan,
+    base: usize,
+    relative: f64,
+    share: f64,
+) -> Result<Vec<f64>> {
+    let mut solver = vec![0.0; trials.wanted().len()];
+    let Some(mut values) = trials.tried[base].values.clone() else { return Ok(solver) };
+    let allowed = allowed(&values, &trials.tried[base].scales, trials.instants(), relative);
     while plan.tolerance > TIGHTEST {
         let tighter = Plan { tolerance: (TIGHTER * plan.tolerance).max(TIGHTEST), ..*plan };
         let place = trials.solve(tighter, "tighter tolerance")?;
@@ -176,18 +219,28 @@ pub fn beside(
         }
         (plan.tolerance, values) = (tighter.tolerance, better);
     }
-    if !trials.has_steps() {
-        return Ok(Beside { time: None, solver });
-    }
-    // Level by level; the errors of all are seen from the finest one.
+    Ok(solver)
+}
+
+/// What the length of the steps leaves, which are halved until that is little. The errors of all
+/// lengths are seen from the shortest one. Collective.
+fn of_steps(
+    trials: &mut Trials<'_>,
+    plan: &mut Plan,
+    relative: f64,
+    share: f64,
+) -> Result<Vec<Part>> {
     let mut levels = vec![trials.solve(*plan, "steps")?];
     let first = plan.steps;
     loop {
         let finer = Plan { steps: first + levels.len() as u32, ..*plan };
         let place = trials.solve(finer, "half of the steps")?;
         levels.push(place);
-        let Some(found) = &trials.tried[place].values else { break };
-        allowed = self::allowed(found, &scales, instants, relative);
+        let Some(found) = &trials.tried[place].values else {
+            return Ok(vec![Part { trusted: false, ..Part::NONE }; trials.wanted().len()]);
+        };
+        let scales = &trials.tried[place].scales;
+        let allowed = allowed(found, scales, trials.instants(), relative);
         let backwards: Vec<usize> = levels[..levels.len() - 1].iter().rev().copied().collect();
         let last = parts(trials, place, &backwards, &allowed, 1);
         let of_level = |level: usize| -> Vec<Part> {
@@ -202,10 +255,9 @@ pub fn beside(
         };
         let serves = (0..levels.len()).find(|level| size(&of_level(*level)) <= share);
         let level = serves.unwrap_or(levels.len() - 1);
-        if serves.is_some() || levels.len() as u32 > MOST {
+        if serves.is_some() || levels.len() > MOST_HALVINGS {
             plan.steps = first + level as u32;
-            return Ok(Beside { time: Some(of_level(level)), solver });
+            return Ok(of_level(level));
         }
     }
-    Ok(Beside { time: Some(vec![Part { trusted: false, ..Part::NONE }; values.len()]), solver })
 }

@@ -25,8 +25,8 @@ impl Part {
 }
 
 /// The error of the finest of three values, each on a part of the mesh (or on steps) halved against
-/// the next: the differences d1 = v0 - v1, d2 = v1 - v2 fall by q = d1/d2, and what is left is their
-/// geometric sum, d1 q/(1 - q). Outside of plausible orders, and without a third value, it is the
+/// the next: the differences d1 = v0 - v1, d2 = v1 - v2 fall by q = d1/d2, and what is left is
+/// their geometric sum, d1 q/(1 - q). Outside of plausible orders, and without a third value, it is the
 /// difference with a factor of safety. What is below `noise` needs no order.
 pub fn part(v0: f64, v1: Option<f64>, v2: Option<f64>, cells: usize, noise: f64) -> Part {
     let Some(v1) = v1 else {

@@ -3,8 +3,8 @@
 //!
 //! The whole case is solved on meshes that follow from each other, so that the errors of early
 //! instants count in late ones. On each of them the cells are made coarser, not finer, along one
-//! axis at a time: that costs a half and a quarter of the mesh instead of its double, and the answer
-//! is that of the finest mesh which was paid for.
+//! axis at a time: that costs a half and a quarter of the mesh instead of its double, and the
+//! answer is that of the finest mesh which was paid for.
 
 mod errors;
 mod estimate;
@@ -99,8 +99,7 @@ struct Search<'r> {
 impl Search<'_> {
     /// Mesh after mesh. Collective.
     fn rounds(&mut self) -> Result<(Found, Ended)> {
-        let mut plan = self.trials.family.first();
-        let first = self.trials.solve(plan, "start")?;
+        let (mut plan, first) = self.start()?;
         let share = SHARE_BESIDE;
         let beside = beside(&mut self.trials, &mut plan, first, self.wanted.relative, share)?;
         let mut best: Option<(Found, Ended)> = None;
@@ -140,6 +139,18 @@ impl Search<'_> {
         Ok((found, ended))
     }
 
+    /// The first mesh: one on which a smaller model serves, if there is such. Collective.
+    fn start(&mut self) -> Result<(Plan, usize)> {
+        if let Some(plan) = self.trials.family.smaller() {
+            let place = self.trials.solve(plan, "a smaller model")?;
+            if self.trials.tried[place].values.is_some() {
+                return Ok((plan, place));
+            }
+        }
+        let plan = self.trials.family.first();
+        Ok((plan, self.trials.solve(plan, "start")?))
+    }
+
     /// The results of the best mesh once more, after a finer one that could not be solved.
     fn again(&mut self, mut found: Found, error: &Error) -> Result<(Found, Ended)> {
         let plan = self.trials.tried[found.base].plan;
@@ -154,17 +165,14 @@ impl Search<'_> {
         let values = self.trials.tried[base].values.clone().unwrap_or_default();
         let (scales, relative) = (&self.trials.tried[base].scales, self.wanted.relative);
         let allowed = allowed(&values, scales, self.trials.instants(), relative);
-        let mut axes = of_cells(&mut self.trials, base, &allowed)?;
+        let (axes, together) = of_cells(&mut self.trials, base, &allowed)?;
         let mut beside = beside.clone();
         if let Some((_, bound)) = self.trials.tried[base].reduced {
             // The bound has no sign.
             let of = beside.solver.iter_mut().zip(&values);
             of.for_each(|(solver, value)| *solver = solver.abs() + bound * value.abs());
         }
-        if axes.is_empty() {
-            axes.push(vec![estimate::Part::NONE; allowed.len()]);
-        }
-        Ok(Errors { axes, beside, allowed })
+        Ok(Errors { axes, together, beside, allowed })
     }
 
     /// The mesh after one with such errors: finer along the axes that take more than their share.
@@ -175,7 +183,7 @@ impl Search<'_> {
         let share = SHARE_OF_CELLS / counts as f64;
         let most = needs.iter().copied().fold(0.0, f64::max);
         let smooth = 2.0 * SMOOTH * self.trials.family.order() as f64;
-        let mut next = plan;
+        let mut next = Plan { needs_smaller: false, ..plan };
         for (number, (axis, _)) in axes.into_iter().enumerate() {
             let need = needs[number];
             self.judge_growth(axis, need, &mut next);

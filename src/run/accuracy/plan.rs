@@ -1,7 +1,7 @@
 //! The meshes among which the search chooses, and the cases that have them.
 
 use crate::case::sections::{AxisGrading, GradingSection};
-use crate::case::{Case, Cells, ColumnSpec, ControlKind, InterfaceSpec, MeshSource};
+use crate::case::{Case, Cells, ColumnSpec, ControlKind, InterfaceSpec, MeshSource, Reduce};
 
 /// Halvings of the cells at the start, so that there are coarser meshes to compare with: in 2D and
 /// in 3D.
@@ -18,6 +18,8 @@ pub struct Plan {
     pub steps: u32,
     /// Of the solver.
     pub tolerance: f64,
+    /// Whether a smaller model has to serve.
+    pub needs_smaller: bool,
 }
 
 /// All meshes for a case.
@@ -53,7 +55,17 @@ impl<'c> Family<'c> {
             (false, 2) => [level, 0, level],
             (false, _) => [level; 3],
         };
-        Plan { levels, growth: [0; 3], steps: 0, tolerance: self.case.solver.tolerance }
+        let tolerance = self.case.solver.tolerance;
+        Plan { levels, growth: [0; 3], steps: 0, tolerance, needs_smaller: false }
+    }
+
+    /// A finer mesh on which a smaller model may serve, which costs no more for that; none where
+    /// there are no smaller ones.
+    pub fn smaller(&self) -> Option<Plan> {
+        let first = self.first();
+        let finer = |level: u32| if level == 0 { 0 } else { level + 1 };
+        let may_be = !self.is_of_file() && self.case.reduce == Reduce::Auto;
+        may_be.then(|| Plan { levels: first.levels.map(finer), needs_smaller: true, ..first })
     }
 
     /// The axes along which cells are halved, and their names.
@@ -128,11 +140,12 @@ impl<'c> Family<'c> {
             MeshSource::File(_) => case.mesh.refine = plan.levels[0],
         }
         case.solver.tolerance = plan.tolerance;
+        case.search.needs_smaller = plan.needs_smaller;
         match &mut case.flow {
             Some(flow) if flow.tolerance.is_some() => {
                 flow.tolerance = flow.tolerance.map(|of| of * (-f64::from(plan.steps)).exp2());
             }
-            _ => case.stops = between(case.start, &case.time, 1 << plan.steps),
+            _ => case.search.stops = between(case.start, &case.time, 1 << plan.steps),
         }
     }
 

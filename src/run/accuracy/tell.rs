@@ -39,6 +39,9 @@ pub fn mesh(trials: &Trials<'_>, base: usize, errors: &Errors) {
         format!("{name} {:.1e}{order}", -parts[worst].missing)
     };
     let mut parts: Vec<String> = names.zip(&errors.axes).map(of).collect();
+    if parts.len() > 1 {
+        parts.push(format!("mixed {:.1e}", -errors.mixed(worst)));
+    }
     parts.extend(errors.beside.time.as_ref().map(|t| format!("time {:.1e}", -t[worst].missing)));
     parts.push(format!("solver {:.1e}", -errors.beside.solver[worst]));
     let (of, at) = wanted[worst];
@@ -145,6 +148,10 @@ fn accuracy(trials: &Trials<'_>, wanted: &AccuracySection, found: &Found) -> Acc
         let names = trials.family.axes().into_iter().map(|(_, name)| name.to_owned());
         let of_axis = errors.axes.iter().map(|parts| -parts[number].missing + 0.0);
         let time = errors.beside.time.as_ref().map(|time| -time[number].missing + 0.0);
+        let mut mesh = names.zip(of_axis).collect::<BTreeMap<String, f64>>();
+        if mesh.len() > 1 {
+            mesh.insert("mixed".to_owned(), -errors.mixed(number) + 0.0);
+        }
         Quantity {
             quantity: of.to_owned(),
             at,
@@ -152,7 +159,7 @@ fn accuracy(trials: &Trials<'_>, wanted: &AccuracySection, found: &Found) -> Acc
             error: -errors.missing(number) + 0.0,
             relative: errors.size(number) / (errors.allowed[number] / wanted.relative).max(1e-300),
             parts: Parts {
-                mesh: names.zip(of_axis).collect::<BTreeMap<String, f64>>(),
+                mesh,
                 interface: None,
                 time,
                 solver: -errors.beside.solver[number] + 0.0,
