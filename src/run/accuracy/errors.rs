@@ -112,7 +112,11 @@ impl Errors {
 ///
 /// # Errors
 /// Those of the runs, but for meshes that cannot be solved.
-pub fn of_cells(trials: &mut Trials<'_>, base: usize, allowed: &[f64]) -> Result<Vec<Vec<Part>>> {
+pub fn of_cells(
+    trials: &mut Trials<'_>,
+    base: usize,
+    allowed: &[f64],
+) -> Result<(Vec<Vec<Part>>, Vec<Part>)> {
     let (plan, order) = (trials.tried[base].plan, trials.family.order());
     let reduced = trials.tried[base].reduced;
     // A smaller model of the bodies as wholes is exact along the axes that it has left out.
