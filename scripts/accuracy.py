@@ -137,7 +137,7 @@ def asked(case, relative, unknowns):
 def measure(program, scratch, name, case, relatives, unknowns):
     """Of one scene: a row for each search."""
     folder = scratch / name.replace(" ", "_")
-    reference, _ = run(program, folder, "reference", asked(case, min(relatives) / 10, unknowns))
+    reference, _ = run(program, folder, "reference", asked(case, min(relatives) / 5, unknowns))
     rows = []
     for relative in relatives:
         found, seconds = run(program, folder, f"at_{relative:g}", asked(case, relative, unknowns))

@@ -79,6 +79,15 @@ impl Errors {
         cells + time + self.beside.solver[value].abs()
     }
 
+    /// The largest that the cells leave, over what is allowed.
+    pub fn of_cells(&self) -> f64 {
+        let of = |value: usize| {
+            let axes: f64 = self.axes.iter().map(|parts| parts[value].missing.abs()).sum();
+            over(axes.max(self.together[value].missing.abs()), self.allowed[value])
+        };
+        (0..self.allowed.len()).map(of).fold(0.0, f64::max)
+    }
+
     /// The largest of all, over what is allowed.
     pub fn largest(&self) -> f64 {
         let of = (0..self.allowed.len()).map(|value| over(self.size(value), self.allowed[value]));
@@ -176,6 +185,10 @@ fn parts(
     (0..allowed.len()).map(of).collect()
 }
 
+/// What steps and solver may leave of what is asked.
+const SHARE_OF_STEPS: f64 = 0.25;
+const SHARE_OF_SOLVER: f64 = 0.05;
+
 /// Halvings of the steps that are tried.
 const MOST_HALVINGS: usize = 7;
 
@@ -184,7 +197,7 @@ const TIGHTER: f64 = 1e-2;
 const TIGHTEST: f64 = 1e-13;
 
 /// Steps of such a length and a tolerance of the solver that leave little, found on the mesh of
-/// `plan`, which gets them; `share` of what is asked may be left by each. Collective.
+/// `plan`, which gets them. Collective.
 ///
 /// # Errors
 /// As [`of_cells`].
@@ -193,11 +206,13 @@ pub fn beside(
     plan: &mut Plan,
     base: usize,
     relative: f64,
-    share: f64,
 ) -> Result<Beside> {
-    let solver = of_solver(trials, plan, base, relative, share)?;
-    let time =
-        if trials.has_steps() { Some(of_steps(trials, plan, relative, share)?) } else { None };
+    let solver = of_solver(trials, plan, base, relative, SHARE_OF_SOLVER)?;
+    let time = if trials.has_steps() {
+        Some(of_steps(trials, plan, relative, SHARE_OF_STEPS)?)
+    } else {
+        None
+    };
     Ok(Beside { time, solver })
 }
 
@@ -234,10 +249,11 @@ fn of_steps(
     relative: f64,
     share: f64,
 ) -> Result<Vec<Part>> {
-    let mut levels = vec![trials.solve(*plan, "steps")?];
+    let coarse = trials.family.coarser(plan);
+    let mut levels = vec![trials.solve(coarse, "steps")?];
     let first = plan.steps;
     loop {
-        let finer = Plan { steps: first + levels.len() as u32, ..*plan };
+        let finer = Plan { steps: first + levels.len() as u32, ..coarse };
         let place = trials.solve(finer, "half of the steps")?;
         levels.push(place);
         let Some(found) = &trials.tried[place].values else {

@@ -24,9 +24,6 @@ use errors::{Beside, Errors, allowed, beside, of_cells};
 use plan::{Family, Plan};
 use trial::Trials;
 
-/// Steps and solver may each leave this share of what is asked.
-const SHARE_BESIDE: f64 = 0.1;
-
 /// What the cells along each axis are to leave of what is asked, before it is shared among them.
 const SHARE_OF_CELLS: f64 = 0.7;
 
@@ -100,8 +97,7 @@ impl Search<'_> {
     /// Mesh after mesh. Collective.
     fn rounds(&mut self) -> Result<(Found, Ended)> {
         let (mut plan, first) = self.start()?;
-        let share = SHARE_BESIDE;
-        let beside = beside(&mut self.trials, &mut plan, first, self.wanted.relative, share)?;
+        let beside = beside(&mut self.trials, &mut plan, first, self.wanted.relative)?;
         let mut best: Option<(Found, Ended)> = None;
         for _ in 0..MOST_ROUNDS {
             let output = self.output.map(|output| Output {
@@ -123,6 +119,10 @@ impl Search<'_> {
             let why = "every estimate is within what was asked".to_owned();
             let mut found = Found { base, errors, met, why };
             if met {
+                return Ok((found, ended));
+            }
+            if found.errors.of_cells() <= SHARE_OF_CELLS {
+                found.why = "steps and solver leave more than was asked".to_owned();
                 return Ok((found, ended));
             }
             let next = self.next(plan, &found.errors);

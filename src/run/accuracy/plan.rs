@@ -7,6 +7,9 @@ use crate::case::{Case, Cells, ColumnSpec, ControlKind, InterfaceSpec, MeshSourc
 /// in 3D.
 const FIRST_LEVEL: [u32; 2] = [3, 2];
 
+/// Of the steps of a flow that had one for each instant: the error that one may make.
+const FIRST_TOLERANCE: f64 = 0.01;
+
 /// What a mesh and its steps are made of: how often each has been halved.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plan {
@@ -57,6 +60,14 @@ impl<'c> Family<'c> {
         };
         let tolerance = self.case.solver.tolerance;
         Plan { levels, growth: [0; 3], steps: 0, tolerance, needs_smaller: false }
+    }
+
+    /// A coarser mesh, on which the length of the steps matters as on finer ones.
+    pub fn coarser(&self, plan: &Plan) -> Plan {
+        if plan.needs_smaller || self.is_of_file() {
+            return *plan;
+        }
+        Plan { levels: plan.levels.map(|level| level.saturating_sub(1)), ..*plan }
     }
 
     /// A finer mesh on which a smaller model may serve, which costs no more for that; none where
@@ -141,11 +152,17 @@ impl<'c> Family<'c> {
         }
         case.solver.tolerance = plan.tolerance;
         case.search.needs_smaller = plan.needs_smaller;
+        // Steps of half the length make a quarter of the error each.
+        let quarters = |halvings: u32| (-2.0 * f64::from(halvings)).exp2();
         match &mut case.flow {
-            Some(flow) if flow.tolerance.is_some() => {
-                flow.tolerance = flow.tolerance.map(|of| of * (-f64::from(plan.steps)).exp2());
+            Some(flow) if plan.steps > 0 => {
+                flow.tolerance = Some(match flow.tolerance {
+                    Some(given) => given * quarters(plan.steps),
+                    None => FIRST_TOLERANCE * quarters(plan.steps - 1),
+                });
             }
-            _ => case.search.stops = between(case.start, &case.time, 1 << plan.steps),
+            Some(_) => {}
+            None => case.search.stops = between(case.start, &case.time, 1 << plan.steps),
         }
     }
 
