@@ -57,6 +57,8 @@ impl Case {
             stage.case.mesh.clone_from(&self.mesh);
         }
         case.mesh = self.mesh;
+        // What a search for accuracy has set.
+        (case.solver, case.search) = (self.solver, self.search);
         Ok(case)
     }
 

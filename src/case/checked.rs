@@ -44,6 +44,8 @@ pub struct Case {
     pub solver: SolverSpec,
     /// Whether a smaller model may take its place.
     pub reduce: Reduce,
+    /// What a search for accuracy asks of the run.
+    pub search: Search,
     /// What is written.
     pub output: OutputSpec,
     /// Wall-clock time after which the run stops (s).
@@ -70,6 +72,15 @@ pub struct Case {
     pub left_out: Vec<String>,
     /// The sections it was made of, with defaults written out.
     pub(super) file: CaseFile,
+}
+
+/// What a search for accuracy asks of one of its runs.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Search {
+    /// Times between instants at which steps end (s).
+    pub stops: Vec<f64>,
+    /// Whether the run fails where no smaller model serves.
+    pub needs_smaller: bool,
 }
 
 /// A part of the time, in which supports, loads, fluid and materials are the same.

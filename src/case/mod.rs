@@ -13,7 +13,7 @@ mod stages;
 
 pub use crate::input::{Formula, Value};
 pub use crate::law::LawSpec;
-pub use checked::{Case, Stage};
+pub use checked::{Case, Search, Stage};
 pub use checks::{
     AtRest, BULK, CLOSEST_PLANES, Control, ControlKind, Every, FlowSpec, Imperfection,
 };
@@ -69,7 +69,8 @@ impl Case {
         read_tree(tree, path, problems, None)
     }
 
-    /// The times between start and end, rising, at which a table bends: no step passes over one.
+    /// The times between start and end, rising, at which a table bends or a step is to end: no step
+    /// passes over one.
     pub fn breakpoints(&self) -> Vec<f64> {
         let of_interfaces = self.interfaces.iter().filter_map(|i| i.fluid_pressure.as_ref());
         let of_boundary =
@@ -91,6 +92,7 @@ impl Case {
             None => {}
         }
         let mut times: Vec<f64> = values.iter().flat_map(|value| value.breakpoints()).collect();
+        times.extend(&self.search.stops);
         times.retain(|time| self.start < *time && self.time.last().is_some_and(|end| time < end));
         times.sort_by(f64::total_cmp);
         times.dedup();

@@ -11,7 +11,7 @@ mod jump;
 pub mod mortar;
 mod sides;
 
-pub use cohesive_zone::unresolved_zones;
+pub use cohesive_zone::{FEWEST, unresolved_zones, zone_length};
 pub use film::{Film, FilmState, Fluid};
 pub use heirs::{Heirs, Multipliers, lost_facets};
 pub use jump::{JumpRow, JumpRows, jump_rows};

@@ -95,7 +95,8 @@ pub struct HingeNode {
 pub struct LipFacts {
     /// The body whose face it is, or one of them.
     pub body: usize,
-    /// Edge lengths of a cell behind it along x, y, z (m; y is 1 in 2D).
+    /// Edge lengths of a cell behind it along x, y, z (m; y is 1 in 2D); where they grow along an
+    /// axis across the column, their mean.
     pub cell: [f64; 3],
     /// Index of the material of that cell.
     pub material: usize,

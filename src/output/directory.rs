@@ -130,7 +130,7 @@ fn has_ended(path: &Path) -> bool {
     let report = fs::read_to_string(path.join(REPORT)).ok();
     let report: Option<Value> = report.and_then(|text| serde_json::from_str(&text).ok());
     let status = report.as_ref().and_then(|r| r.get("status")?.as_str());
-    matches!(status, Some("done" | "expectation_missed"))
+    matches!(status, Some("done" | "expectation_missed" | "accuracy_missed"))
 }
 
 fn take(path: &Path, case: &str, overwrite: bool) -> Result<()> {

@@ -35,6 +35,7 @@ pub(super) fn summary(html: &mut String, run: &Run<'_>) {
         "done" if outcomes == 1 => ("good", "done, the one expectation met".to_owned()),
         "done" if outcomes > 0 => ("good", format!("done, all {outcomes} expectations met")),
         "done" => ("good", "done".to_owned()),
+        "accuracy_missed" => ("bad", "less exact than asked".to_owned()),
         "expectation_missed" => ("bad", format!("{missed} of {outcomes} expectations missed")),
         "failed" => ("bad", format!("failed after {reached} of {of} instants")),
         "stopped" => ("wait", format!("stopped after {reached} of {of} instants")),

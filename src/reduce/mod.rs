@@ -48,6 +48,8 @@ pub struct Certificate {
     /// What the softening interface takes of the stiffness that the column holds against it, at
     /// most: below 1 no mode can become unstable.
     pub softening: f64,
+    /// Along which axes it has the cells of the model asked for.
+    pub kept: [bool; 3],
     /// Unknowns of the model asked for.
     pub unknowns_asked: u64,
     /// Unknowns of the model that was solved.

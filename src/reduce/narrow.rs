@@ -27,6 +27,8 @@ const FEWER: u64 = 2;
 pub struct Candidate {
     /// What it leaves out, in words.
     pub left_out: &'static str,
+    /// The axes along which it has the cells of the model asked for.
+    pub kept: [bool; 3],
     /// Its lattice.
     pub(super) column: Column,
     /// The lattice that was asked for.
@@ -87,7 +89,7 @@ fn narrower(case: &Case, wide: &Column) -> Vec<Candidate> {
         }
         let is_new = list.iter().all(|c| c.column.cells() != column.cells());
         if is_new && column.cells() * FEWER <= wide.cells() {
-            list.push(Candidate { left_out, column, wide: wide.clone(), is_straight });
+            list.push(Candidate { left_out, kept: keep, column, wide: wide.clone(), is_straight });
         }
     }
     list

@@ -34,7 +34,8 @@ pub fn refusal(case: &Case, situation: Situation) -> Option<String> {
     if has_stages {
         return says("the case has stages");
     }
-    if unknowns < FEWEST_UNKNOWNS {
+    // Where an accuracy is asked for, the proof spares the search for a mesh.
+    if unknowns < FEWEST_UNKNOWNS && case.sections().accuracy.is_none() {
         return says("the model is small as it is");
     }
     if goes_on {

@@ -1,5 +1,6 @@
 //! What a run tells: `report.json`, and the tables for the screen.
 
+pub mod accuracy;
 pub mod expectations;
 pub mod memory;
 pub mod tables;
@@ -15,6 +16,7 @@ use crate::output::atomic;
 use crate::output::finite::check_row;
 use crate::reduce::Reduction;
 use crate::timers::Timings;
+use accuracy::Accuracy;
 use expectations::Outcome;
 use tables::Instant;
 
@@ -54,6 +56,12 @@ pub struct Report {
     /// and steps.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub remarks: Vec<String>,
+    /// How exact the results are, where that was asked for, and what it took.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<Accuracy>,
+    /// Whether interfaces softened on cells too large for it.
+    #[serde(skip)]
+    pub is_unresolved: bool,
     /// The linear solver.
     pub linear_solver: LinearSolver,
     /// Seconds by phase, of the slowest rank.
@@ -80,6 +88,8 @@ pub enum Status {
     Done,
     /// To the end, an expectation missed.
     ExpectationMissed,
+    /// To the end, not as exact as asked.
+    AccuracyMissed,
     /// With an error.
     Failed,
     /// On a signal or the wall-clock limit.
@@ -174,6 +184,11 @@ impl Report {
         atomic::write_text(path, &(text + "\n"))
     }
 
+    /// Whether states were not stable or not unique, or the mesh did not resolve what softened.
+    pub fn has_doubts(&self) -> bool {
+        !self.instabilities.is_empty() || !self.bifurcations.is_empty() || self.is_unresolved
+    }
+
     /// Refuses what JSON cannot say; `path` is for the message. Local.
     ///
     /// # Errors
@@ -238,6 +253,8 @@ mod tests {
             instabilities: Vec::new(),
             bifurcations: Vec::new(),
             remarks: Vec::new(),
+            accuracy: None,
+            is_unresolved: false,
             linear_solver: LinearSolver {
                 choice: "mumps".into(),
                 why: "small".into(),

@@ -97,7 +97,7 @@ pub fn carry_out(
         (None, _) => None,
     };
     screen::describe(comm, case, &model, solution.reduction());
-    way.remark(case, &mut model, &solution, of_mesh);
+    model.stepper.remarks.splice(..0, of_mesh);
     let session = Session::new(comm, timers, case, directory, state, solution);
     way.through_stages(case, &cases, model, session, output.is_some_and(|output| output.page))
 }
@@ -156,7 +156,6 @@ impl<'w> Way<'w> {
             match handed.and_then(|handed| self.next(case, &cases[next], next, handed)) {
                 Ok((begun, solution)) => {
                     model = begun;
-                    self.remark(case, &mut model, &solution, Vec::new());
                     session.enter(solution);
                 }
                 Err(error) => return Err(session.leave(error)),
@@ -194,23 +193,6 @@ impl<'w> Way<'w> {
         })
     }
 
-    /// Tells what is to be said of a model and its mesh. Collective.
-    fn remark(
-        &self,
-        case: &Case,
-        model: &mut Model<'_>,
-        solution: &Solution,
-        of_mesh: Vec<String>,
-    ) {
-        let unresolved = solution.unresolved_zones(case, model);
-        if model.stepper.stage == 0 {
-            unresolved.iter().for_each(|words| tracing::warn!("warning: {words}"));
-        }
-        let remarks = &mut model.stepper.remarks;
-        remarks.splice(..0, of_mesh);
-        remarks.extend(unresolved);
-    }
-
     /// The model that was asked for, and where its states come from. Collective.
     fn build(
         &self,
@@ -245,6 +227,9 @@ impl<'w> Way<'w> {
         let unknowns = problem.all.nodes.total * case.dim as u64;
         let situation = Situation { unknowns, goes_on, has_options, has_stages };
         let solution = Solution::choose(runtime, timers, case, &problem, situation)?;
+        if case.search.needs_smaller && solution.is_asked() {
+            return Err(Error::Numerics(solution.reduction().why.clone()));
+        }
         let _phase = timers.enter(Phase::Assembly);
         let choice = solution.linear_choice(choice);
         let model = solve::build(runtime, timers, case, choice, problem, meshes)?;

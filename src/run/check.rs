@@ -75,7 +75,7 @@ pub fn describe(case: &Case) -> Result<String> {
             ),
         )?;
     }
-    for words in unresolved_zones(case, &facts, &sides) {
+    for words in unresolved_zones(case, &facts) {
         line("warning", words)?;
     }
     line("reduced", reduction(case, &family, unknowns))?;

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::carry_out::{Output, carry_out};
+use super::carry_out::Output;
+use super::whole::whole;
 use crate::case::Case;
 use crate::comm::Comm;
 use crate::error::{Error, Result};
@@ -95,7 +96,7 @@ impl<'a> Run<'a> {
             restart: self.restart.as_deref(),
             page: self.page,
         });
-        let ended = carry_out(runtime, &Timers::new(), self.case, started, output)?;
+        let ended = whole(runtime, &Timers::new(), self.case, started, output)?;
         let bug = |cause: serde_json::Error| Error::Bug(format!("results: {cause}"));
         let text = comm.on_root(|| match &ended.told {
             Some(told) => serde_json::to_vec(told).map_err(bug),

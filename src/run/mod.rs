@@ -2,6 +2,7 @@
 //!
 //! From code a case is run by [`Run`], within [`program`].
 
+mod accuracy;
 mod carry_out;
 mod check;
 mod checkpoint;
@@ -19,6 +20,8 @@ mod screen;
 mod session;
 mod solution;
 mod summary;
+mod whole;
+mod zones;
 
 use std::cell::RefCell;
 use std::path::Path;
@@ -34,7 +37,8 @@ use crate::runtime::Runtime;
 use crate::scene::plot;
 use crate::study::{self, Request};
 use crate::timers::Timers;
-use carry_out::{Output, carry_out};
+use carry_out::Output;
+use whole::whole;
 
 pub use check::describe;
 pub use from_code::Run;
@@ -155,7 +159,7 @@ pub fn run_case(runtime: &Runtime, timers: &Timers, options: &RunOptions) -> Res
         restart: options.restart.as_deref(),
         page: options.report,
     };
-    let ended = carry_out(runtime, timers, &case, started, Some(output))?;
+    let ended = whole(runtime, timers, &case, started, Some(output))?;
     if let Some((report, _)) = &ended.told {
         screen::complain_of_missed(report, directory);
     }

@@ -60,6 +60,7 @@ pub fn serves(
     let certificate = Certificate {
         error_bound: bound,
         softening: proof.softening,
+        kept: candidate.kept,
         unknowns_asked: asked.all.nodes.total * case.dim as u64,
         unknowns_solved: unknowns,
         residuals: proof.residuals,

@@ -8,7 +8,6 @@ use super::reduced::{Reduced, serves};
 use crate::case::Case;
 use crate::comm::Comm;
 use crate::error::{Error, Result};
-use crate::interface::unresolved_zones;
 use crate::reduce::{NONE_OF_USE, Reduction, Situation, candidates, refusal};
 use crate::runtime::Runtime;
 use crate::signals;
@@ -81,12 +80,10 @@ impl Solution {
         }
     }
 
-    /// The cohesive zones that the mesh does not resolve, in words: what is proven needs none.
-    pub fn unresolved_zones(&self, case: &Case, model: &Model<'_>) -> Vec<String> {
-        match self {
-            Self::Asked { .. } => unresolved_zones(case, &model.mesh.facts, &model.sides),
-            Self::Smaller { .. } => Vec::new(),
-        }
+    /// Whether the model asked for gives the states: what a smaller one is proven to give needs no
+    /// resolution.
+    pub fn is_asked(&self) -> bool {
+        matches!(self, Self::Asked { .. })
     }
 
     /// A step towards an instant; what it took once it is reached. Collective.

@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 #[allow(dead_code)] // this program uses a part of it
 mod common;
+mod accuracy;
 mod any_flow;
 mod any_interface;
 mod any_mesh;

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::checker::Checker;
+use crate::case::sections::GradingSection;
 use crate::case::sections::file::{CaseFile, ColumnSection};
 use crate::case::{Cells, ColumnSpec, FileSpec, MeshSource, MeshSpec};
 use crate::error::number_text;
@@ -30,7 +31,8 @@ impl Checker<'_> {
         let source = source.unwrap_or_else(|| {
             self.broken.insert("mesh".to_owned());
             let cells = Cells::Uniform([1; 3]);
-            MeshSource::Boxes(ColumnSpec { size: vec![1.0; 2], cells, orders: vec![1] })
+            let (size, orders, grading) = (vec![1.0; 2], vec![1], GradingSection::default());
+            MeshSource::Boxes(ColumnSpec { size, cells, orders, grading })
         });
         MeshSpec { source, formulation: section.formulation, refine: section.refine }
     }
@@ -67,6 +69,8 @@ impl Checker<'_> {
                 let grids: Vec<Option<[usize; 3]>> = grids.collect();
                 Cells::Bodies(grids.into_iter().collect::<Option<_>>()?)
             }
+            // They are found.
+            (None, None) if file.accuracy.is_some() => Cells::Uniform([1; 3]),
             (both, _) => {
                 let what = if both.is_some() { "has both" } else { "needs" };
                 let word = if both.is_some() { "and" } else { "or" };
@@ -74,12 +78,14 @@ impl Checker<'_> {
                 return None;
             }
         };
-        let order = |given: Option<u32>| given.or(file.mesh.order).unwrap_or(1) as usize;
+        let by_default = if file.accuracy.is_some() { 2 } else { 1 };
+        let order = |given: Option<u32>| given.or(file.mesh.order).unwrap_or(by_default) as usize;
         let orders = match &column.bodies {
             Some(bodies) => bodies.iter().map(|body| order(body.order)).collect(),
             None => vec![order(None)],
         };
-        is_sound.then(|| ColumnSpec { size: column.size.clone(), cells, orders })
+        let (size, grading) = (column.size.clone(), column.grading.clone().unwrap_or_default());
+        is_sound.then_some(ColumnSpec { size, cells, orders, grading })
     }
 
     fn grid(&mut self, path: &str, cells: &[u64]) -> Option<[usize; 3]> {

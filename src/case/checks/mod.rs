@@ -1,9 +1,11 @@
 //! From the sections of the file to the checked case: the rules that span several keys.
 
+mod accuracy;
 mod checker;
 mod control;
 mod flow;
 mod fluid;
+mod grading;
 mod initial;
 mod interface_initial;
 mod interfaces;
@@ -34,7 +36,8 @@ use control::Instants;
 
 use crate::case::sections::file::{CaseFile, Physics};
 use crate::case::{
-    BoundarySpec, Case, Form, InterfaceSpec, Linear, Material, MeshSpec, SolverSpec, Stability,
+    BoundarySpec, Case, Form, InterfaceSpec, Linear, Material, MeshSpec, Search, SolverSpec,
+    Stability,
 };
 use crate::error::Result;
 use crate::input::problems::shortened;
@@ -62,7 +65,7 @@ fn write_out(file: &mut CaseFile, path: &Path, physics: PhysicsDecision) {
     if file.mesh.file.is_some() {
         file.mesh.scale.get_or_insert(1.0);
     } else {
-        file.mesh.order.get_or_insert(1);
+        file.mesh.order.get_or_insert(if file.accuracy.is_some() { 2 } else { 1 });
     }
 }
 
@@ -87,7 +90,7 @@ impl Checker<'_> {
             self.agreement(&boundary, &time);
         }
         if mesh.column().is_some() {
-            self.boxes(&mesh, &materials, &interfaces, flow.is_some());
+            self.boxes(&file, &mesh, &materials, &interfaces, flow.is_some());
             self.held(&mesh, &interfaces, &boundary);
         }
         let initial_stress = self.initial_stress(&file, &materials);
@@ -120,6 +123,7 @@ impl Checker<'_> {
             control,
             solver: file.solver.clone(),
             reduce: file.reduce,
+            search: Search::default(),
             output,
             wall,
             probes,
@@ -127,14 +131,14 @@ impl Checker<'_> {
             left_out: std::mem::take(&mut self.left_out),
             file,
         };
-        self.history(&case);
-        case.expect = self.expectations(&case);
+        case.expect = self.wanted(&case);
         if self.problems.is_empty() { Ok(case) } else { Err(self.problems.into_error()) }
     }
 
     /// What lies beside the interfaces of a column, and how many cells it has.
     fn boxes(
         &mut self,
+        file: &CaseFile,
         mesh: &MeshSpec,
         materials: &[Material],
         interfaces: &[InterfaceSpec],
@@ -142,6 +146,7 @@ impl Checker<'_> {
     ) {
         let Some(column) = mesh.column() else { return };
         if self.sound(&["mesh", "materials", "interfaces"]) {
+            self.grading(file, column, materials, interfaces);
             self.films(column, materials, interfaces);
             self.cells(column, mesh.refine, materials, interfaces, flow);
         }

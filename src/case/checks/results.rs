@@ -182,7 +182,7 @@ impl Checker<'_> {
         OutputSpec { directory, fields, checkpoint }
     }
 
-    fn instant(&mut self, path: &str, instant: f64, time: &[f64]) {
+    pub(super) fn instant(&mut self, path: &str, instant: f64, time: &[f64]) {
         if self.sound(&["time"]) && !time.contains(&instant) {
             let nearest = time
                 .iter()

@@ -12,7 +12,9 @@ use super::quantity::{
     CheckpointSection, FluidSection, ImperfectionSection, InitialSection, InterfaceInitialSection,
     LimitsSection, Quantity, SpatialQuantity,
 };
-use super::{Formulation, Gap, Porous, Reduce, RigidSection, Side, SolverSpec, Surface};
+use super::{
+    Formulation, Gap, GradingSection, Porous, Reduce, RigidSection, Side, SolverSpec, Surface,
+};
 use crate::law::LawSpec;
 
 impl CaseFile {
@@ -33,6 +35,7 @@ impl CaseFile {
             control: None,
             solver: SolverSpec::default(),
             reduce: Reduce::default(),
+            accuracy: None,
             output: OutputSection::default(),
             limits: None,
             probes: Vec::new(),
@@ -112,13 +115,13 @@ impl MeshSection {
     /// A column with lengths in m and cells along x, y, z, or along x, z in 2D.
     pub fn column(size: impl Into<Vec<f64>>, cells: impl Into<Vec<u64>>) -> Self {
         let (size, cells) = (size.into(), Some(cells.into()));
-        Self::of(ColumnSection { size, cells, bodies: None })
+        Self::of(ColumnSection { size, cells, bodies: None, grading: None })
     }
 
     /// The same with cells of its own for each body between interfaces, bottom to top.
     pub fn bodies(size: impl Into<Vec<f64>>, bodies: impl Into<Vec<BodySection>>) -> Self {
         let (size, bodies) = (size.into(), Some(bodies.into()));
-        Self::of(ColumnSection { size, cells: None, bodies })
+        Self::of(ColumnSection { size, cells: None, bodies, grading: None })
     }
 
     /// The mesh of a file of Gmsh or SALOME, by its path.
@@ -149,6 +152,17 @@ setters! { MeshSection:
     raise_order = u32 => Some(raise_order), "With cells of a file raised to second order: 2.";
     formulation = Formulation => formulation, "With how the cells are integrated.";
     refine = u32 => refine, "With so many uniform refinements.";
+}
+
+impl MeshSection {
+    /// With cells of a column that grow away from named places.
+    #[must_use]
+    pub fn grading(mut self, grading: GradingSection) -> Self {
+        if let Some(column) = &mut self.column {
+            column.grading = Some(grading);
+        }
+        self
+    }
 }
 
 impl BodySection {

@@ -11,7 +11,8 @@ use super::quantity::{
     Quantity,
 };
 use super::{
-    Formulation, Gap, Porous, Reduce, RigidSection, Side, SolverSpec, StageSection, Surface,
+    AccuracySection, Formulation, Gap, GradingSection, Porous, Reduce, RigidSection, Side,
+    SolverSpec, StageSection, Surface,
 };
 use crate::law::LawSpec;
 
@@ -63,6 +64,9 @@ pub struct CaseFile {
     /// the same.
     #[serde(default)]
     pub reduce: Reduce,
+    /// Which results are wanted, and how exactly, in the place of the cells of the mesh.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<AccuracySection>,
     /// What is written.
     #[serde(default)]
     pub output: OutputSection,
@@ -126,6 +130,9 @@ pub struct ColumnSection {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1, max = 1001))]
     pub bodies: Option<Vec<BodySection>>,
+    /// Cells that grow away from named places.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grading: Option<GradingSection>,
 }
 
 /// A body between interfaces.

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::GradingSection;
+
 /// What is meshed, and how.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshSpec {
@@ -34,6 +36,8 @@ pub struct ColumnSpec {
     pub cells: Cells,
     /// Order of the cells (1 or 2): one number for the whole column, or one for each body.
     pub orders: Vec<usize>,
+    /// How they grow.
+    pub grading: GradingSection,
 }
 
 /// A mesh that somebody else made.

@@ -36,10 +36,12 @@
 //! # Ok::<(), column_hpc::error::Error>(())
 //! ```
 
+mod accuracy;
 mod boundary;
 mod constructors;
 mod instants;
 pub(crate) mod file;
+pub(crate) mod grading;
 mod interface;
 mod material;
 mod mesh;
@@ -49,6 +51,7 @@ mod rigid;
 mod solver;
 mod stage;
 
+pub use accuracy::{AccuracyBudget, AccuracyInstants, AccuracySection, AccuracyWord};
 pub use boundary::{BoundarySpec, Surface, SurfaceBit};
 pub use file::{
     BodySection, BoundarySection, CaseFile, ColumnSection, Components, ControlSection,
@@ -56,6 +59,7 @@ pub use file::{
     InterfaceSection, MaterialSection, MeshSection, OpeningSection, OutputSection, Physics,
     ProbeSection, TimeSection,
 };
+pub use grading::{AxisGrading, GradingSection};
 pub use interface::{FilmSpec, Gap, InterfaceInitial, InterfaceSpec, Location, Side};
 pub use material::{Material, Porous};
 pub use mesh::{

@@ -1,5 +1,6 @@
 //! Tests of the reader: good cases, overrides, what is left out; mistakes have their own file.
 
+mod accuracy;
 mod built;
 mod cracks;
 mod file_mesh;

@@ -1,6 +1,7 @@
 //! The column generator: bodies stacked along z, each a lattice of boxes.
 
-use crate::case::{CLOSEST_PLANES, Case, Cells, InterfaceSpec};
+use super::grading::graded;
+use crate::case::{CLOSEST_PLANES, Case, Cells, ColumnSpec, InterfaceSpec};
 use crate::error::{Error, Result};
 use crate::mesh::axes;
 
@@ -20,6 +21,8 @@ pub(super) struct Body {
     pub(super) finest: [usize; 3],
     /// As the case describes them, before any refinement.
     pub(super) layers: Vec<Layer>,
+    /// The planes along x and y (m) as the case describes them; none where they are uniform.
+    pub(super) across: [Vec<f64>; 2],
     /// Planes of the finest lattice, along x, y, z, that bound the cells of this column.
     pub(super) planes: [Vec<u32>; 3],
     /// Order of the cells, 1 or 2.
@@ -80,11 +83,17 @@ impl Column {
             .collect();
         let changes: Vec<f64> = case.materials.iter().flat_map(|m| m.z).flatten().collect();
         let refinements = case.mesh.refine;
+        let grading = along_axes(case, column);
         let mut bodies = Vec::new();
         for (index, ends) in planes.windows(2).enumerate() {
-            let (cells, mut levels) = match &column.cells {
-                Cells::Uniform(n) => (*n, uniform([0.0, size[2]], n[2])),
-                Cells::Bodies(list) => (list[index], uniform([ends[0], ends[1]], list[index][2])),
+            let (cells, stops) = match &column.cells {
+                Cells::Uniform(n) => (*n, [planes.clone(), changes.clone()].concat()),
+                Cells::Bodies(list) => (list[index], with_ends(&changes, [ends[0], ends[1]])),
+            };
+            let mut levels = match (&grading[2], &column.cells) {
+                (Some(growth), _) => growth.planes(&stops, cells[2]),
+                (None, Cells::Uniform(_)) => uniform([0.0, size[2]], cells[2]),
+                (None, Cells::Bodies(_)) => uniform([ends[0], ends[1]], cells[2]),
             };
             levels.extend(changes.iter().chain(ends));
             let levels = between(levels, [ends[0], ends[1]], CLOSEST_PLANES * size[2]);
@@ -99,7 +108,12 @@ impl Column {
             let finest = [cells[0] << refinements, y, layers.len() << refinements];
             let planes = finest.map(|n| (0..=n as u32).collect());
             let order = column.orders[index.min(column.orders.len() - 1)];
-            bodies.push(Body { finest, layers, planes, order, first_node: 0, first_cell: 0 });
+            let across = [0, 1].map(|axis| {
+                let graded = |growth: &Growth| growth.planes(&[0.0, size[axis]], cells[axis]);
+                grading[axis].as_ref().map_or_else(Vec::new, graded)
+            });
+            let (first_node, first_cell) = (0, 0);
+            bodies.push(Body { finest, layers, across, planes, order, first_node, first_cell });
         }
         let mut column = Self { dim, size, refinements, bodies };
         column.number();
@@ -171,14 +185,18 @@ impl Column {
 
     /// Coordinate of a plane between cells of a body along an axis (m).
     pub fn plane(&self, body: usize, axis: usize, index: usize) -> f64 {
-        let Body { finest, layers, planes, .. } = &self.bodies[body];
+        let Body { finest, layers, across, planes, .. } = &self.bodies[body];
         let plane = planes[axis][index] as usize;
-        if axis < 2 {
+        if axis < 2 && across[axis].is_empty() {
             return self.size[axis] * (plane as f64 / finest[axis] as f64);
         }
         let parts = 1usize << self.refinements;
-        let layer = (plane / parts).min(layers.len() - 1);
-        let [low, high] = layers[layer].z;
+        let described = if axis < 2 { across[axis].len() - 1 } else { layers.len() };
+        let layer = (plane / parts).min(described - 1);
+        let [low, high] = match axis {
+            2 => layers[layer].z,
+            _ => [across[axis][layer], across[axis][layer + 1]],
+        };
         let fraction = (plane - layer * parts) as f64 / parts as f64;
         if fraction == 1.0 { high } else { low + (high - low) * fraction }
     }
@@ -206,6 +224,10 @@ impl Column {
         let body = &self.bodies[place.body];
         let edge = |axis: usize| {
             let cells = &body.planes[axis][place.at[axis]..];
+            if !body.across[axis].is_empty() {
+                let plane = |k: usize| self.plane(place.body, axis, place.at[axis] + k);
+                return plane(1) - plane(0);
+            }
             self.size[axis] * (f64::from(cells[1] - cells[0]) / body.finest[axis] as f64)
         };
         let y = if self.dim == 2 { 1.0 } else { edge(1) };
@@ -233,7 +255,10 @@ impl Column {
                 return 0..1;
             }
             // A facet that only touches the box is left out.
-            let margin = 1e-9 * self.size[axis] / self.bodies[face.body].finest[axis] as f64;
+            let body = &self.bodies[face.body];
+            let uniform = self.size[axis] / body.finest[axis] as f64;
+            let narrowest = body.across[axis].windows(2).map(|x| x[1] - x[0]);
+            let margin = 1e-9 * narrowest.fold(uniform, f64::min);
             let plane = |k: usize| self.plane(face.body, axis, k);
             let first = (0..n[axis]).find(|k| plane(k + 1) > low[axis] + margin);
             let end = (0..n[axis]).rfind(|k| plane(*k) < high[axis] - margin);
@@ -262,10 +287,43 @@ pub(super) fn unflatten(index: u64, n: [usize; 3]) -> [usize; 3] {
     [(index % x) as usize, (index / x % y) as usize, (index / (x * y)) as usize]
 }
 
+/// How cells grow along an axis.
+struct Growth {
+    places: Vec<f64>,
+    ratio: f64,
+}
+
+impl Growth {
+    /// The planes of so many cells, with planes at all `stops`, in any order.
+    fn planes(&self, stops: &[f64], cells: usize) -> Vec<f64> {
+        let mut stops = stops.to_vec();
+        stops.sort_by(f64::total_cmp);
+        let height = stops[stops.len() - 1] - stops[0];
+        stops.dedup_by(|b, a| *b - *a <= CLOSEST_PLANES * height);
+        graded(&stops, &self.places, self.ratio, cells)
+    }
+}
+
+/// How the cells of a column grow along x, y, z.
+fn along_axes(case: &Case, column: &ColumnSpec) -> [Option<Growth>; 3] {
+    let lengths = column.lengths();
+    [0, 1, 2].map(|axis| {
+        let grading = column.grading.along(axis)?;
+        let of = grading.places(axis, lengths[axis], &case.interfaces, &case.materials);
+        of.ok().map(|places| Growth { places, ratio: grading.ratio })
+    })
+}
+
 /// The planes that divide a range into equal layers.
 fn uniform(ends: [f64; 2], layers: usize) -> Vec<f64> {
     let part = |k: usize| ends[0] + (ends[1] - ends[0]) * (k as f64 / layers as f64);
     (0..=layers).map(part).collect()
+}
+
+/// The ends and the planes between them.
+fn with_ends(planes: &[f64], ends: [f64; 2]) -> Vec<f64> {
+    let inside = planes.iter().copied().filter(|z| *z > ends[0] && *z < ends[1]);
+    inside.chain(ends).collect()
 }
 
 /// Sorted planes within `ends`; of planes closer than `tolerance` an end wins.

@@ -170,7 +170,11 @@ impl Column {
         let section = if self.dim == 2 { x.min(z) } else { (x * y).min(x * z).min(y * z) };
         let lip = |interface: usize, lip: Lip| {
             let face = self.lip(interface, lip);
-            let (cell, material) = self.cell_size(self.facet_cell(face, [0, 0]));
+            let (mut cell, material) = self.cell_size(self.facet_cell(face, [0, 0]));
+            let n = self.extent(face.body);
+            for axis in (0..self.dim - 1).filter(|axis| self.is_graded(face.body, *axis)) {
+                cell[axis] = self.size[axis] / n[axis] as f64;
+            }
             let order = self.order(face.body);
             let area = self.size[0] * if self.dim == 3 { self.size[1] } else { 1.0 };
             LipFacts { body: face.body, cell, material, order, area, has_shares: false }
@@ -196,6 +200,11 @@ impl Column {
                 .collect(),
             interfaces: (1..self.bodies()).map(|i| Lip::BOTH.map(|l| lip(i - 1, l))).collect(),
         }
+    }
+
+    /// Whether the cells of a body grow along an axis across the column.
+    fn is_graded(&self, body: usize, axis: usize) -> bool {
+        !self.bodies[body].across[axis].is_empty()
     }
 
     /// The face of a body that is a lip of an interface.

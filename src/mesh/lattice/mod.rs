@@ -6,6 +6,7 @@
 mod coarsen;
 mod column;
 mod fill;
+mod grading;
 mod graph;
 mod nodes;
 

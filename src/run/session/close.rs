@@ -10,7 +10,7 @@ use crate::output::history::History;
 use crate::report::expectations::{Outcome, evaluate};
 use crate::report::{Report, Status, tables, versions};
 use crate::run::summary::{Measured, linear_solver, modelled, unused_options};
-use crate::run::{page, screen};
+use crate::run::{page, screen, zones};
 use crate::runtime::Runtime;
 use crate::solve::Model;
 
@@ -32,8 +32,12 @@ impl Session<'_> {
         for warning in &warnings {
             tracing::warn!("warning: {warning}");
         }
+        let unresolved = self.unresolved(model);
+        for words in &unresolved {
+            tracing::warn!("warning: {words}");
+        }
         let message = solved.as_ref().err().map(ToString::to_string);
-        let ending = Ending { status: status(&solved, met), message, outcomes };
+        let ending = Ending { status: status(&solved, met), message, outcomes, unresolved };
         let report = self.report(runtime, model, ending, measured)?;
         let written = self.write(report.as_ref(), wants_page.then_some(&warnings[..]));
         if let (Some(report), Ok(())) = (&report, &written) {
@@ -73,7 +77,9 @@ impl Session<'_> {
             residual_norms: self.residual_norms.clone(),
             instabilities: stepper.instabilities_in_words(),
             bifurcations: stepper.bifurcations_in_words(),
-            remarks: stepper.remarks(),
+            is_unresolved: !ending.unresolved.is_empty(),
+            accuracy: None,
+            remarks: [stepper.remarks(), ending.unresolved].concat(),
             linear_solver,
             timings: measured.timings,
             peak_memory_bytes: measured.memory,
@@ -83,6 +89,15 @@ impl Session<'_> {
             versions: versions(),
             case: self.case.resolved(),
         }))
+    }
+
+    /// The interfaces that have softened unevenly on cells too large for it, in words. Collective.
+    fn unresolved(&self, model: &Model<'_>) -> Vec<String> {
+        if !self.solution.is_asked() {
+            return Vec::new();
+        }
+        let history = self.history.as_ref().map(History::table);
+        zones::unresolved(self.comm, self.case, model, history)
     }
 
     /// Writes the report and, with the `warnings` that it is to hold, the page. Collective; rank 0
@@ -126,6 +141,8 @@ struct Ending {
     /// Why, when it did not end well.
     message: Option<String>,
     outcomes: Vec<Outcome>,
+    /// The cohesive zones that were not resolved, in words.
+    unresolved: Vec<String>,
 }
 
 /// The status of a run in which all expectations were `met` or not.

@@ -97,6 +97,9 @@ const PRESETS: &[(&str, &[(&str, &str)])] = &[
 /// above it soon costs more than all of the rest.
 const FEWEST_FOR_LEVELS: f64 = 3000.0;
 
+/// Cells that grow by more than this serve point-wise smoothing badly.
+const FLAT: f64 = 2.0;
+
 /// Up to so many unknowns the mesh of a file is eliminated, in 2D and in 3D.
 const MOST_OF_FILE: [f64; 2] = [3e5, 6e4];
 
@@ -227,6 +230,12 @@ impl LinearChoice {
         if case.mesh.file().is_some() {
             return Self::nested(mesh, unknowns)
                 .unwrap_or_else(|| Self::for_file(mesh.dim, unknowns));
+        }
+        // Cells that grow are long along one axis here and along another there.
+        let grading = case.mesh.column().map(|column| &column.grading);
+        let grows = |axis| grading.is_some_and(|of| of.along(axis).is_some_and(|g| g.ratio > FLAT));
+        if (0..3).any(grows) {
+            return Self::for_file(mesh.dim, unknowns);
         }
         let why = "coarser lattices of the column make iterations cheap and few";
         Self::named(MULTIGRID, format!("{unknowns:.0} unknowns: {why}"))
