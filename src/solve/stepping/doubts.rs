@@ -3,7 +3,6 @@
 use super::step_size::StepSize;
 use super::{Accepted, Stepper};
 use crate::error::Result;
-use crate::solve::model::interfaces::to_local;
 use crate::solve::problem::energy::potential;
 
 /// Jumps above this part of the jump scale of the law are no rounding.
@@ -265,8 +264,11 @@ impl Stepper<'_> {
             let (Some(scale), Some(strength)) = (law.typical_jump(), law.strength()) else {
                 return false;
             };
-            let jump = to_local(response.jump, all.dim)[0];
-            let traction = to_local(response.law_traction, all.dim)[0];
+            // As the law answers: what equilibrium and jump are off by presses nothing.
+            let normal = all.dim - 1;
+            let r = state.law_at(index, &all.secondary[index]).augmentation();
+            let jump = response.jump[normal] - response.defect[normal];
+            let traction = response.bulk_traction[normal] + r * response.defect[normal];
             jump > OPEN * scale && traction < -part * strength
         };
         let pressed = (0..state.response.len()).filter(|index| is_pressed(*index));
