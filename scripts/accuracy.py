@@ -3,8 +3,8 @@
 
     scripts/accuracy.py PROGRAM SCRATCH [--scenes NAME,...] [--relative 1e-2,1e-3]
 
-For each scene: a reference, from a search for an error a tenth of the smallest one that is asked
-for, or a closed form; then each search, and the true error over the estimated one of every quantity
+For each scene: a reference, from a search for a fifth of the smallest error that is asked for, less
+its own estimated error; then each search, and the true error over the estimated one of every quantity
 at every instant. Writes a table in Markdown to standard output, and every figure to
 SCRATCH/accuracy.json. Not part of continuous integration: it takes minutes to an hour.
 """

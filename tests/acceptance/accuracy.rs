@@ -66,19 +66,24 @@ fn cells_that_grow_give_the_same_with_every_solver() {
     assert!(error.abs() < 0.7 * even.abs(), "{error} {even}");
 }
 
-/// A brittle joint between large cells is warned of where it softens unevenly alone.
+/// A zone of 1 m on nodes 0.5 m apart is warned of where it softens unevenly alone.
 #[test]
 fn an_unresolved_cohesive_zone_is_warned_of_where_it_softens_unevenly() {
-    let brittle = "interfaces.0.law={linear_softening: {strength: 1.1e6, fracture_energy: 6.5}}";
-    let scene = Scene::new("brittle", TILTED).in_any_steps().set(brittle);
-    let scene = scene.set("mesh.column.cells=[8, 16]").set("solver.stability=off");
-    let pulled = |top: &str| scene.set(&format!("boundary.1.displacement.z={top}"));
-    let remarks = |scene: Scene| scene.on(1).told("remarks").join("\n");
-    let uneven = remarks(pulled("{formula: \"1e-3*t*(1 + 1.9*(x-0.5))\"}"));
-    assert!(uneven.contains("3.14") && uneven.contains("softened unevenly"), "{uneven}");
-    let elastic = remarks(pulled("{formula: \"1e-4*t*(1 + 1.9*(x-0.5))\"}"));
-    assert!(!elastic.contains("softened"), "{elastic}");
-    let free = pulled("1e-3").set("materials.rock.elastic.poisson_ratio=0");
-    let even = remarks(free);
-    assert!(!even.contains("softened"), "{even}");
+    let joint = "interfaces.0={name: joint, z: 0.5, \
+                 law: {linear_softening: {strength: 1.1e6, fracture_energy: 190}}}";
+    let scene = Scene::new("zone", TILTED).in_any_steps().set(joint);
+    let remarks = |cells: &str, top: &str, ratio: f64| {
+        let scene = scene.set(&format!("mesh.column={{size: [1, 1], cells: {cells}}}"));
+        let scene = scene.set(&format!("boundary.1.displacement.z={top}"));
+        let run = scene.set(&format!("materials.rock.elastic.poisson_ratio={ratio}")).on(1);
+        run.report["remarks"].to_string()
+    };
+    let uneven = "{formula: \"2.2e-4*t*(1 + 0.5*(x-0.5))\"}";
+    let told = remarks("[2, 4]", uneven, 0.3);
+    for part in ["joint softened unevenly", "1.001e0 m", "5.000e-1 m apart", "3.336e-1 m apart"] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+    assert!(!remarks("[4, 4]", uneven, 0.3).contains("softened"), "cells that resolve it");
+    assert!(!remarks("[2, 4]", "2.2e-4", 0.0).contains("softened"), "an even state");
+    assert!(!remarks("[2, 4]", "1.0e-4", 0.3).contains("softened"), "no softening");
 }

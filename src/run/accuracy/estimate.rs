@@ -24,10 +24,10 @@ impl Part {
     pub const NONE: Self = Self { missing: 0.0, order: None, trusted: true };
 }
 
-/// The error of the finest of three values, each on a part of the mesh (or on steps) halved against
-/// the next: the differences d1 = v0 - v1, d2 = v1 - v2 fall by q = d1/d2, and what is left is
-/// their geometric sum, d1 q/(1 - q). Outside of plausible orders, and without a third value, it is the
-/// difference with a factor of safety. What is below `noise` needs no order.
+/// The error of the finest of three values, each on a part of the mesh (or on steps) halved
+/// against the next: the differences d1 = v0 - v1, d2 = v1 - v2 fall by q = d1/d2, and what is
+/// left is their geometric sum, d1 q/(1 - q). Outside of plausible orders, and without a third
+/// value, it is the difference with a factor of safety. What is below `noise` needs no order.
 pub fn part(v0: f64, v1: Option<f64>, v2: Option<f64>, cells: usize, noise: f64) -> Part {
     let Some(v1) = v1 else {
         return Part { missing: v0.abs(), order: None, trusted: false };

@@ -37,6 +37,9 @@ const MOST_GROWTH: u32 = 2;
 /// Growth of an exponent of the unknowns with which costs grow.
 const COST: f64 = 1.3;
 
+/// Most meshes at the start that cannot be solved.
+const MOST_FAILURES: usize = 2;
+
 /// Most meshes whose results are taken.
 const MOST_ROUNDS: usize = 16;
 
@@ -99,6 +102,7 @@ impl Search<'_> {
         let (mut plan, first) = self.start()?;
         let beside = beside(&mut self.trials, &mut plan, first, self.wanted.relative)?;
         let mut best: Option<(Found, Ended)> = None;
+        let mut failures = 0;
         for _ in 0..MOST_ROUNDS {
             let output = self.output.map(|output| Output {
                 overwrite: output.overwrite || best.is_some(),
@@ -109,6 +113,13 @@ impl Search<'_> {
                 (Ok(ended), _) => ended,
                 (Err(error @ (Error::Numerics(_) | Error::Input(_))), Some((found, _))) => {
                     return self.again(found, &error);
+                }
+                // What softens may have no solution on coarse cells alone.
+                (Err(Error::Numerics(_)), None) if failures < MOST_FAILURES => {
+                    failures += 1;
+                    best = None;
+                    plan = self.trials.family.finer(&plan);
+                    continue;
                 }
                 (Err(error), _) => return Err(error),
             };

@@ -62,6 +62,13 @@ impl<'c> Family<'c> {
         Plan { levels, growth: [0; 3], steps: 0, tolerance, needs_smaller: false }
     }
 
+    /// A mesh with halves of the cells along all axes.
+    pub fn finer(&self, plan: &Plan) -> Plan {
+        let mut finer = Plan { needs_smaller: false, ..*plan };
+        self.axes().into_iter().for_each(|(axis, _)| finer.levels[axis] += 1);
+        finer
+    }
+
     /// A coarser mesh, on which the length of the steps matters as on finer ones.
     pub fn coarser(&self, plan: &Plan) -> Plan {
         if plan.needs_smaller || self.is_of_file() {
