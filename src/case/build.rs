@@ -53,13 +53,22 @@ impl Case {
         let name = Path::new(NAME);
         let mut case = read_tree(tree, name, Problems::new(name, &[]), Some(dim))?;
         // Its path is relative to the folder of the case file.
-        for stage in &mut case.stages {
+        for (stage, before) in case.stages.iter_mut().zip(&self.stages) {
             stage.case.mesh.clone_from(&self.mesh);
+            stage.case.search_as(&before.case);
         }
+        case.search_as(&self);
         case.mesh = self.mesh;
-        // What a search for accuracy has set.
-        (case.solver, case.search) = (self.solver, self.search);
         Ok(case)
+    }
+
+    /// Takes over what a search for accuracy has set beside the mesh.
+    fn search_as(&mut self, other: &Case) {
+        self.solver.tolerance = other.solver.tolerance;
+        self.search.clone_from(&other.search);
+        if let (Some(own), Some(flow)) = (&mut self.flow, &other.flow) {
+            own.tolerance = flow.tolerance;
+        }
     }
 
     /// Whether the dimension of the mesh is known; that of a mesh file is told to

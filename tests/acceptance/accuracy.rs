@@ -87,3 +87,14 @@ fn an_unresolved_cohesive_zone_is_warned_of_where_it_softens_unevenly() {
     assert!(!remarks("[2, 4]", "2.2e-4", 0.0).contains("softened"), "an even state");
     assert!(!remarks("[2, 4]", "1.0e-4", 0.3).contains("softened"), "no softening");
 }
+
+/// One cell for each body in the place of cells that grow gives every exact value of its source.
+#[test]
+fn a_smaller_model_serves_for_cells_that_grow() {
+    let grading = "{x: {towards: [left], ratio: 3}, z: {towards: [joint], ratio: 8}}";
+    let column = format!("{{size: [1, 1, 5], cells: [6, 6, 30], grading: {grading}}}");
+    let scene = Scene::shipped("wtnv146/case.yaml").set(&format!("mesh.column={column}"));
+    let run = scene.reduced().on(2);
+    assert_eq!(run.report["reduction"]["applied"], true, "{}", run.screen);
+    assert_eq!(run.report["status"], "done", "{}", run.screen);
+}

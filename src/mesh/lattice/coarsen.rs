@@ -233,10 +233,15 @@ mod tests {
         assert_eq!([size(0), size(1)], [([1.0, 1.0, 1.0], 0), ([1.0, 1.0, 3.0], 1)]);
     }
 
+    /// Cells that grow along x and z.
+    const GROWING: &str = ", grading: {x: {towards: [left], ratio: 6}, \
+                           z: {towards: [bottom, top], ratio: 9}}";
+
     #[test]
     fn the_children_of_all_cells_are_all_cells() {
-        let columns = column("[1, 1, 5]", "[5, 7, 33]").hierarchy(10);
-        for pair in columns.windows(2) {
+        let even = column("[1, 1, 5]", "[5, 7, 33]").hierarchy(10);
+        let grown = column("[1, 1, 5]", &format!("[5, 7, 33]{GROWING}")).hierarchy(10);
+        for pair in even.windows(2).chain(grown.windows(2)) {
             let (coarse, fine) = (&pair[0], &pair[1]);
             let mut cells: Vec<u64> = (0..coarse.cells())
                 .flat_map(|c| coarse.children(coarse.cell_place(c), fine))
@@ -249,8 +254,13 @@ mod tests {
 
     #[test]
     fn a_coarse_node_lies_on_itself_and_a_new_one_between() {
-        let columns = column("[1, 1, 5]", "[5, 4, 10]").hierarchy(10);
-        let (coarse, fine) = (&columns[columns.len() - 2], &columns[columns.len() - 1]);
+        for cells in ["[5, 4, 10]".to_owned(), format!("[5, 4, 10]{GROWING}")] {
+            let columns = column("[1, 1, 5]", &cells).hierarchy(10);
+            lies_between(&columns[columns.len() - 2], &columns[columns.len() - 1]);
+        }
+    }
+
+    fn lies_between(coarse: &Column, fine: &Column) {
         for node in 0..fine.nodes() {
             let place = fine.node_place(node);
             let (at, fraction) = coarse.place_in(fine, place);

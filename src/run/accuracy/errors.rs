@@ -5,6 +5,11 @@ use super::plan::Plan;
 use super::trial::Trials;
 use crate::error::Result;
 
+/// Quantities of interest converge at most twice as fast as displacements, with steps as implicit
+/// ones do.
+const HIGHEST_OVER_CELLS: f64 = 2.0;
+const HIGHEST_OF_STEPS: f64 = 1.0;
+
 /// Differences below this part of what is asked are no signs of an order.
 const NOISE: f64 = 1e-3;
 
@@ -126,7 +131,8 @@ pub fn of_cells(
     base: usize,
     allowed: &[f64],
 ) -> Result<(Vec<Vec<Part>>, Vec<Part>)> {
-    let (plan, order) = (trials.tried[base].plan, trials.family.order());
+    let (plan, highest) =
+        (trials.tried[base].plan, HIGHEST_OVER_CELLS * trials.family.order() as f64);
     let reduced = trials.tried[base].reduced;
     // A smaller model of the bodies as wholes is exact along the axes that it has left out.
     let is_exact = |axis: usize| reduced.is_some_and(|(kept, _)| !kept[axis]);
@@ -136,7 +142,7 @@ pub fn of_cells(
         let coarser = coarser(trials, plan, along, name)?;
         axes.push(match along {
             [] => vec![Part::NONE; allowed.len()],
-            _ => parts(trials, base, &coarser, allowed, order),
+            _ => parts(trials, base, &coarser, allowed, highest),
         });
     }
     let along: Vec<usize> =
@@ -145,7 +151,7 @@ pub fn of_cells(
         return Ok((axes, vec![Part::NONE; allowed.len()]));
     }
     let coarser = coarser(trials, plan, &along, "all axes")?;
-    let together = parts(trials, base, &coarser, allowed, order);
+    let together = parts(trials, base, &coarser, allowed, highest);
     // Where those of all do not fall as they should, the sum of the axes says more.
     let better = |(value, part): (usize, Part)| {
         let sum: f64 = axes.iter().map(|parts| parts[value].missing).sum();
@@ -176,12 +182,13 @@ fn parts(
     finest: usize,
     coarser: &[usize],
     allowed: &[f64],
-    order: usize,
+    highest: f64,
 ) -> Vec<Part> {
     let values = |place: Option<&usize>| place.and_then(|p| trials.tried[*p].values.as_ref());
     let Some(v0) = values(Some(&finest)) else { return vec![Part::NONE; allowed.len()] };
     let (v1, v2) = (values(coarser.first()), values(coarser.get(1)));
-    let of = |i: usize| part(v0[i], v1.map(|v| v[i]), v2.map(|v| v[i]), order, NOISE * allowed[i]);
+    let of =
+        |i: usize| part(v0[i], v1.map(|v| v[i]), v2.map(|v| v[i]), highest, NOISE * allowed[i]);
     (0..allowed.len()).map(of).collect()
 }
 
@@ -262,7 +269,7 @@ fn of_steps(
         let scales = &trials.tried[place].scales;
         let allowed = allowed(found, scales, trials.instants(), relative);
         let backwards: Vec<usize> = levels[..levels.len() - 1].iter().rev().copied().collect();
-        let last = parts(trials, place, &backwards, &allowed, 1);
+        let last = parts(trials, place, &backwards, &allowed, HIGHEST_OF_STEPS);
         let of_level = |level: usize| -> Vec<Part> {
             let own = trials.tried[levels[level]].values.as_ref();
             let rest = |i: usize| own.map_or(0.0, |own| found[i] - own[i]);

@@ -59,7 +59,10 @@ impl<'c> Family<'c> {
             (false, _) => [level; 3],
         };
         let tolerance = self.case.solver.tolerance;
-        Plan { levels, growth: [0; 3], steps: 0, tolerance, needs_smaller: false }
+        // One step for each instant is no halving of any other.
+        let has_one = self.case.flow.as_ref().is_some_and(|flow| flow.tolerance.is_none());
+        let steps = u32::from(has_one);
+        Plan { levels, growth: [0; 3], steps, tolerance, needs_smaller: false }
     }
 
     /// A mesh with halves of the cells along all axes.
