@@ -142,7 +142,7 @@ fn interfaces_paths_and_fluids_have_their_charts() {
     // A law whose answer depends on the step, in a mixed mode.
     let page = folder.page("laws/benzeggagh_kenane.yaml", "", &["--overwrite"], 0);
     page.is_sound();
-    assert_eq!(page.circles("interface-joint", 1).len(), 26);
+    assert_eq!(page.circles("interface-joint", 1).len(), 34);
     assert!(page.farthest_from_law("interface-joint") < 1.0);
 
     let case = "snap_back/column_50m_dissipation.yaml";

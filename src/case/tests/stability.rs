@@ -22,7 +22,7 @@ fn a_mistake_in_an_imperfection_is_told() {
         ),
         (
             "initial={imperfection: [{interface: joint, factor: {table: [[0, 1]]}}]}",
-            "initial.imperfection.0.factor.table is not a known key (known: formula)",
+            "initial.imperfection.0.factor needs `over`: x, y or z; an imperfection is the same at all times",
         ),
         (
             "initial={imperfection: [{interface: joint, factor: 2}, {interface: joint, factor: 3}]}",

@@ -35,7 +35,7 @@ fn mistakes_in_stresses_at_the_start_are_told() {
         (vec!["initial={stress: {}}"], "initial.stress has no entries"),
         (
             vec!["initial={stress: {zz: {table: [[0, 1]]}}}"],
-            "initial.stress.zz is of the start alone: give a number or a formula",
+            "initial.stress.zz is of the start alone: give a number, a formula",
         ),
         (vec!["initial={stress: {xy: {formula: t}}}"], "initial.stress.xy.formula uses t"),
         (vec!["initial={stress: {k0: 0.5}}"], "needs the vertical stress: that of gravity"),
