@@ -268,7 +268,8 @@ impl Walk<'_, '_> {
                 if let Some(one) = fitting.iter().find(has_all) {
                     return self.node(one, node, path);
                 }
-                let reason = format!("must have one of the keys {}", known.join(", "));
+                let told: Vec<String> = fitting.iter().flat_map(|one| told_keys(one)).collect();
+                let reason = format!("must have one of the keys {}", told.join(", "));
                 self.breaks(node, path, &reason);
             }
             ([key], _) => {
@@ -350,6 +351,15 @@ fn keys_of(schema: &Json) -> Vec<String> {
     schema["properties"].as_object().into_iter().flatten().map(|(key, _)| key.clone()).collect()
 }
 
+/// The keys that tell a section: those that it must have, or all.
+fn told_keys(schema: &Json) -> Vec<String> {
+    let must = |key: &String| {
+        let required = schema["required"].as_array();
+        required.is_none_or(|list| list.iter().any(|name| name.as_str() == Some(key)))
+    };
+    keys_of(schema).into_iter().filter(must).collect()
+}
+
 fn is_of(wanted: &str, node: &Node) -> bool {
     matches!(
         (wanted, &node.data),
@@ -379,7 +389,7 @@ fn forms_of(choices: &[&Json]) -> String {
         .iter()
         .map(|one| match (words_of(one), one["type"].as_str()) {
             (Some(words), _) => words.join(", "),
-            (None, Some("object")) => format!("{{{}: ...}}", keys_of(one).join(", ")),
+            (None, Some("object")) => format!("{{{}: ...}}", told_keys(one).join(", ")),
             (None, kind) => name_of(kind.unwrap_or_default()).to_owned(),
         })
         .collect();

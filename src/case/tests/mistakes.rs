@@ -103,7 +103,7 @@ fn a_mistake_in_the_file_is_told_with_its_place_and_reason() {
         (
             "table: [[0, 0], [1, 1.0e-4]]",
             "table: [[0, 0]], formula: \"1\"",
-            "12:45: boundary.1.displacement.z must have one of the keys over, table, formula",
+            "12:45: boundary.1.displacement.z must have one of the keys table, formula",
         ),
         (
             "{table: [[0, 0], [1, 1.0e-4]]}",
