@@ -3,6 +3,7 @@
 #
 #     scripts/verify.sh            write the page
 #     scripts/verify.sh --check    compare with the page that is there: status 1, with the difference, if it is stale
+#     scripts/verify.sh --check --by-turns    the same, every case on 1 or on 3 ranks
 #     scripts/verify.sh --self-test    tests of the helper alone
 #
 # COLUMN_HPC names the program; without it the release build is brought up to date and taken.

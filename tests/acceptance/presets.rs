@@ -136,7 +136,7 @@ fn pivots_are_counted_on_any_number_of_ranks() {
         .set("expect=[]")
         .set("solver.linear=mumps")
         .set("solver.stability=warn")
-        .set("mesh.column.cells=[16, 16, 15]")
+        .set("mesh.column.cells=[8, 8, 15]")
         .set("time.instants=[2]");
     for ranks in [1, 2, 3] {
         let found = scene.on(ranks).told("instabilities");

@@ -13,11 +13,12 @@ fn complaint(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// The case files of a directory and of those in it.
+/// The case files of a directory and of those in it, without studies and searches, which begin anew.
 fn case_files(directory: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(directory).expect("a directory") {
         let path = entry.expect("an entry").path();
-        if path.is_dir() && !path.ends_with("studies") {
+        let begins_anew = path.ends_with("studies") || path.ends_with("accuracy");
+        if path.is_dir() && !begins_anew {
             case_files(&path, found);
         } else if path.extension().is_some_and(|extension| extension == "yaml") {
             found.push(path);
