@@ -13,7 +13,8 @@ fn complaint(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// The case files of a directory and of those in it, without studies and searches, which begin anew.
+/// The case files of a directory and of those in it, without studies and searches, which begin
+/// anew.
 fn case_files(directory: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(directory).expect("a directory") {
         let path = entry.expect("an entry").path();
