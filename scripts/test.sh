@@ -64,6 +64,7 @@ lints() {
 }
 beside lints
 # A third of the time of the compiler goes into inlining between parts of the library, which moves no number.
+# Those who use the program keep it: runs take a tenth less time.
 export CARGO_PROFILE_RELEASE_LTO=off
 tests=(cargo test --release)
 others=()
