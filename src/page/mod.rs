@@ -1,5 +1,6 @@
 //! `report.html`: one page of a run, which needs nothing else, not even a network.
 
+mod accuracy;
 mod case;
 mod figures;
 mod interfaces;
@@ -74,6 +75,8 @@ pub fn page(run: &Run<'_>) -> Result<String> {
     outcome::summary(&mut html, run);
     outcome::warnings(&mut html, run);
     outcome::expectations(&mut html, run);
+    accuracy::tables(&mut html, run);
+    drawn(&mut html, &accuracy::charts(run))?;
     let pictures = scene::drawn(run);
     scene::bodies(&mut html, &pictures)?;
     section(&mut html, "Interfaces", &interfaces::charts(run))?;
@@ -109,6 +112,14 @@ fn section(html: &mut String, heading: &str, charts: &Charts) -> Result<()> {
     let _ = writeln!(html, "<h2>{heading}</h2>");
     for sentence in &charts.words {
         let _ = writeln!(html, "<p>{}</p>", escaped(sentence));
+    }
+    drawn(html, charts)
+}
+
+/// The charts without a heading.
+fn drawn(html: &mut String, charts: &Charts) -> Result<()> {
+    if charts.figures.is_empty() {
+        return Ok(());
     }
     html.push_str("<div class=\"charts\">\n");
     for figure in &charts.figures {

@@ -277,6 +277,6 @@ mod tests {
             assert_eq!(names.len(), plan.runs.len(), "{}", file.display());
             count += 1;
         }
-        assert_eq!(count, 9);
+        assert_eq!(count, 10);
     }
 }
