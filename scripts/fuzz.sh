@@ -30,7 +30,8 @@ for argument in level=4 inline-8bit-counters pc-table trace-compares; do
     coverage+=" -Cllvm-args=-sanitizer-coverage-$argument"
 done
 # With --target build scripts are not instrumented.
-RUSTFLAGS="$coverage" cargo build --release --manifest-path tests/fuzz/Cargo.toml --target "$triple" --target-dir "$work"
+RUSTFLAGS="$coverage" cargo build --release --manifest-path tests/fuzz/Cargo.toml --target "$triple" --target-dir "$work" \
+    "${targets[@]/#/--bin=}"
 
 # A checkpoint or a mesh is written and read at each execution: in memory, where there is such a place.
 [ ! -d /dev/shm ] || export TMPDIR=${TMPDIR:-/dev/shm}

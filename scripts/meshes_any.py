@@ -109,8 +109,8 @@ def column(name, kinds, order, conforming, across=(2, 2), layers=(2, 2), size=0.
     write(f"turned/{name}", order, 3)
 
 
-def cut(name, lines, order, dim, size):
-    """A block of 2 x 1.5 (x 0.7) m cut along lines."""
+def cut(name, lines, order, dim, size, layers=None):
+    """A block of 2 x 1.5 (x 0.7) m cut along lines; of prisms in layers, with groups of sides."""
     start(size, size)
     occ, model = gmsh.model.occ, gmsh.model
     base = occ.addRectangle(0, 0, 0, 2, 1.5)
@@ -118,7 +118,8 @@ def cut(name, lines, order, dim, size):
     occ.fragment([(2, base)], [(1, line) for line in cuts])
     occ.synchronize()
     if dim == 3:
-        occ.extrude(model.getEntities(2), 0, 0, 0.7)
+        made = {"numElements": [layers], "recombine": True} if layers else {}
+        occ.extrude(model.getEntities(2), 0, 0, 0.7, **made)
         occ.synchronize()
 
     def is_inside(tag):
@@ -131,6 +132,10 @@ def cut(name, lines, order, dim, size):
     for group, wanted in (("outer", False), ("joint", True)):
         tags = [tag for tag in facets if is_inside(tag) == wanted]
         model.addPhysicalGroup(dim - 1, tags, name=group)
+    for side, axis, at in (("x0", 0, 0), ("x1", 0, 2), ("y0", 1, 0)) if layers else ():
+        boxes = [(tag, model.getBoundingBox(dim - 1, tag)) for tag in facets]
+        tags = [tag for tag, b in boxes if max(abs(b[axis] - at), abs(b[axis + 3] - at)) < 1e-4]
+        model.addPhysicalGroup(dim - 1, tags, name=side)
     write(f"interfaces/{name}", order, dim)
 
 
@@ -146,4 +151,5 @@ if __name__ == "__main__":
     cut("crossing", [((0.3, 0), (1.6, 1.5)), ((0, 1.1), (2, 0.4))], 1, 2, 0.35)
     cut("branching", [((0, 0.5), (2, 0.9)), ((0.8, 0), (0.9, 0.68))], 2, 2, 0.35)
     cut("ending", [((0, 0.4), (1.1, 0.8))], 1, 3, 0.5)
+    cut("tee", [((0, 0.5), (2, 0.9)), ((0.8, 0), (0.9, 0.68))], 1, 3, 0.7, layers=1)
     gmsh.finalize()

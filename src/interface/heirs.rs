@@ -2,14 +2,16 @@
 //! there as well.
 //!
 //! Interfaces meet or end at all nodes of such a facet, or supports lean against it. Each node
-//! has an heir: the nearest node with a multiplier on a facet of the same lip that has the node
-//! too. The function of the node on the facet is handed over to the heir's multiplier. So the
-//! functions add up to one there as everywhere, and constant tractions pass.
+//! has an heir: the nearest node with a multiplier on a facet that goes straight on, on both lips,
+//! from the node. The function of the node on the facet is handed over to the heir's multiplier. So
+//! the functions add up to one there as everywhere, and constant tractions pass: those of a branch
+//! at an angle are others.
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use super::facet_terms::{Terms, space_facets};
-use super::mortar::{Contribution, Partners, facet_rows_in_space};
+use super::mortar::{Contribution, Partners, SpaceFacet, facet_rows_in_space};
 use super::sides::Sides;
 use crate::comm::Comm;
 use crate::error::{Error, Result};
@@ -36,22 +38,58 @@ impl Multipliers<'_> {
     }
 }
 
-/// A node that acts for another one. Better are those with more components, then the nearer one,
-/// then that of the lower name.
+/// Facets go straight on where their normals turn by less than 30 degrees: the cosine.
+const STRAIGHT: f64 = 0.866_025_403_784_438_6;
+
+/// Sides match at points that are apart by less than this part of their facet.
+const SAME: f64 = 1e-9;
+
+/// No node of the other side.
+const NONE: u64 = u64::MAX;
+
+/// Where a node is on a facet.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    /// The normal of the facet.
+    normal: [f64; 3],
+    /// The node that faces it, where the sides match.
+    mate: u64,
+}
+
+impl Place {
+    /// Whether the interface goes straight on from one facet at the node to the other, on both
+    /// lips: where a branch begins at one lip, that of the other is not asked either. So it does
+    /// not matter which of them carries the multipliers.
+    fn goes_on_at(&self, other: &Self) -> bool {
+        let turn: f64 = (0..3).map(|i| self.normal[i] * other.normal[i]).sum();
+        let [one, two] = [self.mate, other.mate];
+        turn > STRAIGHT && (one == two || one == NONE || two == NONE)
+    }
+}
+
+/// A node that acts for another one.
 #[derive(Debug, Clone, Copy)]
 struct Heir {
     /// Bit c: component c has no multiplier.
     missing: u64,
     /// The squared distance (m2).
     square: f64,
+    /// Its position (m).
+    point: [f64; 3],
     name: u64,
+    /// The other node, on the facet of both.
+    place: Place,
 }
 
 impl Heir {
-    fn is_better(&self, other: &Self) -> bool {
+    /// Better are those with more components, then the nearer one; then the place decides, which no
+    /// numbers change.
+    fn order(&self, other: &Self) -> Ordering {
         let fewer = self.missing.count_ones().cmp(&other.missing.count_ones());
         let nearer = self.square.total_cmp(&other.square);
-        fewer.then(nearer).then(self.name.cmp(&other.name)).is_lt()
+        let along = |i: usize| self.point[i].total_cmp(&other.point[i]);
+        let first = (0..3).map(along).fold(Ordering::Equal, Ordering::then);
+        fewer.then(nearer).then(first).then(self.name.cmp(&other.name))
     }
 }
 
@@ -67,13 +105,14 @@ pub struct LostFacet {
 /// A node without a multiplier on the lip of an interface.
 type Key = (u64, u64);
 
-/// Numbers of an heir on its journey: node, interface, components, distance, name.
-const WIDTH: usize = 5;
+/// Numbers of an heir on its journey: node, interface, components, distance, name, the node that
+/// faces, position, normal.
+const WIDTH: usize = 12;
 
-/// The heirs of nodes.
+/// Who may be heirs of nodes.
 #[derive(Debug, Default)]
 pub struct Heirs {
-    of: BTreeMap<Key, Heir>,
+    of: BTreeMap<Key, Vec<Heir>>,
 }
 
 /// The facets of this rank without multipliers that something else than supports has taken. Local.
@@ -99,16 +138,24 @@ impl Heirs {
         for side in sides {
             for facet in mesh.on_lip(side.interface, side.secondary) {
                 let (_, local) = mesh.facet_nodes(*facet);
-                let name = |node: &u32| mesh.nodes.names[*node as usize];
-                let point = |node: &u32| mesh.nodes.points[*node as usize];
-                let (without, with): (Vec<u32>, Vec<u32>) =
-                    local.into_iter().partition(|node| nodes.is_without(name(node), mesh.dim()));
-                for one in &without {
+                let name = |place: usize| mesh.nodes.names[local[place] as usize];
+                let point = |place: usize| mesh.nodes.points[local[place] as usize];
+                let (without, with): (Vec<usize>, Vec<usize>) =
+                    (0..local.len()).partition(|place| nodes.is_without(name(*place), mesh.dim()));
+                if without.is_empty() || with.is_empty() {
+                    continue;
+                }
+                let places = places(mesh, side, *facet);
+                for one in without {
                     for other in &with {
-                        let (a, b) = (point(one), point(other));
-                        let square = (0..3).map(|i| (a[i] - b[i]).powi(2)).sum();
-                        let missing = nodes.missing(name(other), mesh.dim());
-                        let heir = Heir { missing, square, name: name(other) };
+                        let (a, b) = (point(one), point(*other));
+                        let heir = Heir {
+                            missing: nodes.missing(name(*other), mesh.dim()),
+                            square: (0..3).map(|i| (a[i] - b[i]).powi(2)).sum(),
+                            point: b,
+                            name: name(*other),
+                            place: places[one],
+                        };
                         heirs.see((name(one), side.interface as u64), heir);
                     }
                 }
@@ -117,20 +164,17 @@ impl Heirs {
         heirs
     }
 
-    /// Takes the better one.
     fn see(&mut self, key: Key, heir: Heir) {
-        let known = self.of.entry(key).or_insert(heir);
-        if heir.is_better(known) {
-            *known = heir;
-        }
+        self.of.entry(key).or_default().push(heir);
     }
 
     fn see_words(&mut self, lists: &[Vec<u64>]) {
-        for [node, interface, missing, square, name] in
-            lists.iter().flat_map(|list| list.as_chunks::<WIDTH>().0)
-        {
-            let square = f64::from_bits(*square);
-            self.see((*node, *interface), Heir { missing: *missing, square, name: *name });
+        for row in lists.iter().flat_map(|list| list.as_chunks::<WIDTH>().0) {
+            let [node, interface, missing, square, name, mate, vectors @ ..] = *row;
+            let [x, y, z, u, v, w] = vectors.map(f64::from_bits);
+            let (place, square) = (Place { normal: [u, v, w], mate }, f64::from_bits(square));
+            let heir = Heir { missing, square, point: [x, y, z], name, place };
+            self.see((node, interface), heir);
         }
     }
 
@@ -147,7 +191,8 @@ impl Heirs {
         let names: Vec<u64> = keys.iter().map(|key| key.0).collect();
         let mut packed = vec![Vec::new(); comm.size() as usize];
         for (key, entry) in keys.iter().zip(directory.look_up(&names)) {
-            packed[entry.owner as usize].extend(words(key, &self.of[key]));
+            let heirs = self.of[key].iter();
+            packed[entry.owner as usize].extend(heirs.flat_map(|heir| words(key, heir)));
         }
         self.of.clear();
         let mut gathered = Self::default();
@@ -171,17 +216,23 @@ impl Heirs {
     }
 
     fn words_of(&self, name: u64) -> impl Iterator<Item = u64> {
-        self.of.range((name, 0)..=(name, u64::MAX)).flat_map(|(key, heir)| words(key, heir))
+        let of_name = self.of.range((name, 0)..=(name, u64::MAX));
+        of_name.flat_map(|(key, heirs)| heirs.iter().flat_map(|heir| words(key, heir)))
     }
 
     /// The heir of each node of a facet, that of another node where one has none; none if no node
     /// has one. Local.
     fn of_facet(&self, mesh: &LocalMesh, sides: &[Sides], lost: LostFacet) -> Option<Vec<Heir>> {
-        let interface = sides[lost.side].interface;
-        let names = names(mesh, lost.facet);
-        let heir = |name: &u64| self.of.get(&(*name, interface as u64)).copied();
-        let first = names.iter().find_map(heir)?;
-        Some(names.iter().map(|name| heir(name).unwrap_or(first)).collect())
+        let side = &sides[lost.side];
+        let heir = |(name, place): (u64, Place)| {
+            let all = self.of.get(&(name, side.interface as u64))?.iter();
+            all.filter(|heir| place.goes_on_at(&heir.place)).min_by(|a, b| a.order(b)).copied()
+        };
+        let places = places(mesh, side, lost.facet);
+        let heirs: Vec<Option<Heir>> =
+            names(mesh, lost.facet).into_iter().zip(places).map(heir).collect();
+        let first = heirs.iter().find_map(|heir| *heir)?;
+        Some(heirs.into_iter().map(|heir| heir.unwrap_or(first)).collect())
     }
 
     /// The facets no node of which has an heir. Local.
@@ -248,7 +299,28 @@ fn names(mesh: &LocalMesh, facet: Facet) -> Vec<u64> {
 }
 
 fn words(key: &Key, heir: &Heir) -> [u64; WIDTH] {
-    [key.0, key.1, heir.missing, heir.square.to_bits(), heir.name]
+    let [x, y, z] = heir.point.map(f64::to_bits);
+    let [u, v, w] = heir.place.normal.map(f64::to_bits);
+    let Place { mate, .. } = heir.place;
+    [key.0, key.1, heir.missing, heir.square.to_bits(), heir.name, mate, x, y, z, u, v, w]
+}
+
+/// Each node of a facet on it.
+fn places(mesh: &LocalMesh, side: &Sides, facet: Facet) -> Vec<Place> {
+    let (own, far) = space_facets(mesh, side, facet);
+    let normal = own.middle_normal().unwrap_or_default();
+    let is_near = |a: &[f64; 3], b: &[f64; 3]| {
+        (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt() <= SAME * own.size()
+    };
+    let faced = |far: &SpaceFacet, point: &[f64; 3]| -> Option<u64> {
+        let place = far.points().iter().position(|other| is_near(point, other))?;
+        Some(far.nodes()[place])
+    };
+    let all = |far: &SpaceFacet| -> Option<Vec<u64>> {
+        own.points().iter().map(|point| faced(far, point)).collect()
+    };
+    let mates = far.iter().find_map(all).unwrap_or_else(|| vec![NONE; own.nodes().len()]);
+    mates.into_iter().map(|mate| Place { normal, mate }).collect()
 }
 
 /// Whether both sides share all nodes of a facet, beyond the edge of the interface.

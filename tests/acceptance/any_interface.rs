@@ -199,6 +199,32 @@ probes: [{{name: p, at: {point:?}}}]",
     }
 }
 
+/// A branch of one facet between a support and the interface it ends at: none of its nodes has a
+/// multiplier, and those of the other interface transmit another traction. Whichever lip carries
+/// the multipliers, which goes by the first facet of a file, the branch gets nodes of its own.
+#[test]
+fn a_branch_of_one_facet_has_a_traction_of_its_own() {
+    let strain = 1e-4;
+    for (secondary, law, ranks) in [("lower", TIED, 1), ("upper", COHESIVE, 1), ("lower", TIED, 3)]
+    {
+        let rest = format!(
+            "interfaces: [{{name: joint, on: joint, secondary: {secondary}, law: {law}}}]
+boundary:
+  - {{on: x0, displacement: {{x: 0}}}}
+  - {{on: y0, displacement: {{x: {{formula: \"t*{strain:e}*x\"}}, y: 0, z: 0}}}}
+  - {{on: x1, traction: {{x: {{formula: \"t*{:e}\"}}}}}}
+probes: [{{name: p, at: [0.31, 0.9, 0.2]}}]",
+            5.8e9 * strain
+        );
+        let scene = scene("tee", &rest).set("materials.rock.elastic.poisson_ratio=0");
+        let run = if ranks > 1 { scene.scattered().on(ranks) } else { scene.on(ranks) };
+        for (axis, exact) in [("x", 2.0 * strain * 0.31), ("y", 0.0), ("z", 0.0)] {
+            let found = run.column(&format!("p.displacement_{axis}"))[1];
+            assert!((found - exact).abs() < 1e-14, "{}: {axis} {found}", run.label);
+        }
+    }
+}
+
 /// Strips of single facets between rollers and between each other: none of their nodes has a
 /// multiplier, nor have those beside.
 #[test]

@@ -13,6 +13,7 @@ mod branches;
 mod cracks;
 mod cubes;
 mod curved;
+mod curved_crossing;
 mod diffusion;
 mod energy;
 mod equilibrium;
