@@ -251,8 +251,8 @@ solver: {tolerance: 1.0e-12, stability: \"off\"}
 }
 
 /// A joint that is sheared to rupture along a path, as in steps with the same load factors, but for
-/// the last one, which a path takes in parts; intact, and damaged so that it slides before it breaks
-/// further.
+/// the last one, which a path takes in parts; intact, and damaged, so that it slides before it
+/// breaks further.
 #[test]
 fn a_path_meets_the_steps_that_have_its_loads() {
     let yaml = |damage: f64, top: &str, side: &str, time: &str| {
