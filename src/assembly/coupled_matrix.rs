@@ -5,7 +5,7 @@
 //! of a cell.
 
 use super::pattern::{count_blocks, merge_to_owners};
-use super::tangent::expand_cell;
+use super::tangent::{expand_cell, rows_of_friction};
 use super::{Discretization, NodeState, Pattern, PoreCell, PoreSpace};
 use crate::comm::Comm;
 use crate::error::Result;
@@ -188,7 +188,10 @@ impl CoupledMatrix {
             return Ok(());
         }
         all.coupled_nodes(cell.cell as usize, coupled);
-        let expansions = expand_cell(all, values.state, cell.cell as usize, coupled);
+        let columns = expand_cell(all, values.state, cell.cell as usize, coupled);
+        // The pressure is part of the traction that friction follows.
+        let friction = rows_of_friction(all, values.state, cell.cell as usize, coupled, &columns);
+        let equations = friction.as_ref().unwrap_or(&columns);
         let width = coupled.len() * dim;
         let mut across = vec![0.0; width * np];
         let mut back = vec![0.0; width * np];
@@ -201,10 +204,12 @@ impl CoupledMatrix {
         } else {
             like.forces()
         };
-        for (b, forces) in forces.chunks_exact(expansions.len()).enumerate() {
-            for (q, expansion) in forces.iter().zip(&expansions) {
-                for (unknown, a) in expansion {
-                    across[unknown * np + b] -= scale * a * q;
+        for (b, forces) in forces.chunks_exact(columns.len()).enumerate() {
+            for (q, (equations, columns)) in forces.iter().zip(equations.iter().zip(&columns)) {
+                for (equation, a) in equations {
+                    across[equation * np + b] -= scale * a * q;
+                }
+                for (unknown, a) in columns {
                     back[b * width + unknown] -= scale * a * q;
                 }
             }

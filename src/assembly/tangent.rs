@@ -210,7 +210,7 @@ fn expand(
 
 /// The rows of equations that the forces of a cell go to, where friction sends some to others than
 /// the columns; none without it.
-fn rows_of_friction(
+pub(super) fn rows_of_friction(
     all: &Discretization,
     state: &[NodeState],
     cell: usize,

@@ -249,3 +249,56 @@ solver: {tolerance: 1.0e-12, stability: \"off\"}
         assert!(found < most, "{tolerance}: {found:e}");
     }
 }
+
+/// A joint that is sheared to rupture along a path, as in steps with the same load factors, but for
+/// the last one, which a path takes in parts; intact, and damaged, so that it slides before it
+/// breaks further.
+#[test]
+fn a_path_meets_the_steps_that_have_its_loads() {
+    let yaml = |damage: f64, top: &str, side: &str, time: &str| {
+        format!(
+            "
+mesh: {{column: {{size: [1.0, 2.0], cells: [4, 4]}}}}
+materials: {{rock: {{elastic: {{young_modulus: 1.0e10, poisson_ratio: 0.2}}}}}}
+interfaces:
+  - name: joint
+    z: 1.0
+    law: {{linear_softening: {{strength: 1.0e6, fracture_energy: 1000, friction: 0.6}}}}
+    initial: {{damage: {damage}}}
+boundary:
+  - {{on: bottom, displacement: {{x: 0, z: 0}}}}
+  - {{on: top, displacement: {{{top}}}}}
+  - {{on: right, traction: {{x: {side}}}}}
+{time}
+solver: {{stability: \"off\"}}
+"
+        )
+    };
+    let control = "control: {dissipation: {of: joint, step: 0.1}}\ntime: {instants: [1]}";
+    for damage in [0.0, 0.4] {
+        let path = yaml(damage, "x: 1.0e-3, z: -2.0e-4", "-2.0e5", control);
+        let path = Scene::new("path", &path).in_any_steps();
+        let one = path.on(1);
+        let factors = one.column("load_factor");
+        let grown = |by: f64| {
+            let row = |(i, factor): (usize, &f64)| format!("[{}, {:e}]", i + 1, factor * by);
+            let rows: Vec<String> = factors.iter().enumerate().map(row).collect();
+            format!("{{table: [[0, 0], {}]}}", rows.join(", "))
+        };
+        let top = format!("x: {}, z: {}", grown(1.0e-3), grown(-2.0e-4));
+        let time = "time: {instants: {from: 0, to: 11, steps: 11}}";
+        let steps = yaml(damage, &top, &grown(-2.0e5), time);
+        let steps = Scene::new("steps", &steps).in_any_steps().on(1);
+        assert_eq!(one.table.rows.len(), 11);
+        for name in ["shear_traction_x.max", "normal_traction.min", "sliding_x.max", "damage.min"] {
+            let [one, other] = [&one, &steps].map(|run| run.column(&format!("joint.{name}")));
+            let scale = one.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+            for (a, b) in one.iter().zip(&other).take(10) {
+                assert!((a - b).abs() < 1e-8 * scale, "{damage} {name}: {a} {b}");
+            }
+        }
+        assert!(one.column("energy.friction").is_sorted());
+        assert_same(&one, &path.set("solver.linear=aggregation").on(3), 1e-7);
+        assert_same(&one, &path.stopped(2, "history:1:term:1", 1), 1e-8);
+    }
+}

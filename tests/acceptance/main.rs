@@ -23,6 +23,7 @@ mod flow;
 mod flow_orders;
 mod fluid;
 mod friction;
+mod friction_flow;
 #[path = "../common/faults.rs"]
 #[allow(dead_code)] // as above
 mod faults;

@@ -1,9 +1,9 @@
 //! Path following: what the load factor follows from.
 
 use super::checker::Checker;
-use crate::case::InterfaceSpec;
 use crate::case::sections::file::{CaseFile, ControlSection};
 use crate::case::sections::{Form, Stability};
+use crate::case::{InterfaceSpec, LawSpec};
 use crate::input::Value;
 use crate::input::problems::suggestion;
 
@@ -69,6 +69,12 @@ impl Checker<'_> {
             let reason = "follow cannot stand beside control: a path goes through states that are \
                           not stable";
             self.add("solver.stability", reason);
+        }
+        let has_cohesion = |i: &InterfaceSpec| matches!(&i.law, LawSpec::Contact(contact) if contact.cohesion > 0.0);
+        if let Some(bound) = interfaces.iter().position(has_cohesion) {
+            let reason = "cannot stand beside control: a path starts at loads that are scaled in \
+                          proportion, and cohesion does not grow with them";
+            self.add(&format!("interfaces.{bound}.law.contact.cohesion"), reason);
         }
         if let Some(fluid) = interfaces.iter().position(|i| i.fluid_pressure.is_some()) {
             let reason = "cannot stand beside control: the load factor does not scale it";

@@ -166,23 +166,6 @@ impl Checker<'_> {
         }
     }
 
-    /// Refuses what does not know yet that friction makes the tangent unsymmetric.
-    pub(super) fn beside_friction(
-        &mut self,
-        file: &CaseFile,
-        interfaces: &[InterfaceSpec],
-        flow: bool,
-    ) {
-        let Some(index) = interfaces.iter().position(InterfaceSpec::has_friction) else { return };
-        let path = format!("interfaces.{index}.law.{}.friction", interfaces[index].law.name());
-        if flow {
-            self.add(&path, "is not yet available beside flow in the pores");
-        }
-        if file.control.is_some() {
-            self.add(&path, "is not yet available beside control");
-        }
-    }
-
     fn law(&mut self, path: &str, law: &LawSpec) {
         for problem in law.law().check() {
             let (key, reason) = problem.split_once(' ').unwrap_or((problem.as_str(), ""));

@@ -94,7 +94,6 @@ impl Checker<'_> {
             self.held(&mesh, &interfaces, &boundary);
         }
         let initial_stress = self.initial_stress(&file, &materials);
-        self.beside_friction(&file, &interfaces, flow.is_some());
         write_out(&mut file, path, physics);
         let (checkpoint, wall) = self.limits(&file);
         let output = self.output(&file, &time, checkpoint);

@@ -39,7 +39,7 @@ const COUPLED: &[(&str, &str)] = &[
     ("pc_type", "shell"),
 ];
 
-/// Where every pressure is known the system is symmetric and positive.
+/// Where every pressure is known the system is symmetric and positive, but for friction.
 const KNOWN: &[(&str, &str)] = &[("ksp_type", "cg"), ("ksp_max_it", "500"), ("pc_type", "shell")];
 
 /// One V-cycle of BoomerAMG for a scalar field, with few and short rows on the coarser levels.
@@ -116,13 +116,14 @@ pub fn couple(
 
     let scale = stiffest(comm, case, mesh);
     let eliminate = eliminate.filter(|_| space.has_unknowns(comm) && !space.films.are_there());
-    let solve = coupled_solve(runtime, of, &space, eliminate)?;
+    let solve = coupled_solve(runtime, case, of, &space, eliminate)?;
     let pores = Rc::clone(&space);
     let blocks = Blocks::new(comm, petsc, mechanics.snes, solve, mechanics.tangent, pores, scale)?;
     let (blocks, rows) = (Rc::new(blocks), all.nodes.owned * dim + space.nodes.owned);
     let (operator, preconditioner) = operators(&blocks);
     let matrix = Matrix::shell(petsc, rows, rows, 1, operator)?;
-    let options = if blocks.is_coupled() { COUPLED } else { KNOWN };
+    let is_symmetric = !blocks.is_coupled() && !case.has_friction();
+    let options = if is_symmetric { KNOWN } else { COUPLED };
     let mut snes = Snes::new(petsc, "", matrix, &KspSetup::new(options))?;
     snes.precondition_by(preconditioner)?;
 
@@ -167,6 +168,7 @@ fn stiffest(comm: &Comm, case: &Case, mesh: &LocalMesh) -> f64 {
 /// Collective.
 fn coupled_solve(
     runtime: &Runtime,
+    case: &Case,
     of: Displacements<'_>,
     space: &PoreSpace,
     eliminate: Option<&KspSetup>,
@@ -181,7 +183,10 @@ fn coupled_solve(
         return Ok(CoupledSolve::Split(RefCell::new(Block::new(petsc, solver)?)));
     };
     let numbers = CoupledMatrix::new(comm, of.all, space);
-    let matrix = numbers.matrix(comm, petsc, of.all, space)?;
+    let mut matrix = numbers.matrix(comm, petsc, of.all, space)?;
+    if case.has_friction() {
+        matrix.declare_unsymmetric()?;
+    }
     let block = Block::new(petsc, Snes::new(petsc, WHOLE, matrix, setup)?)?;
     Ok(CoupledSolve::Eliminated(RefCell::new(CoupledFactors::new(numbers, block))))
 }

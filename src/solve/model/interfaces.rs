@@ -263,6 +263,13 @@ impl InterfaceState {
         }
     }
 
+    /// Whether lips with friction have slid up to the last accepted state. Local.
+    pub(in crate::solve) fn have_slid(&self, all: &Discretization) -> bool {
+        let rubs = |index: usize| self.law_at(index, &all.secondary[index]).rubs();
+        let slid = self.sliding.iter().enumerate().filter(|(_, node)| node.at != [0.0; 2]);
+        slid.map(|(index, _)| index).any(rubs)
+    }
+
     /// Whether a point that slid in the state that was evaluated last slides the other way by this
     /// answer. It is then held: Newton's method would go to and fro between both ways. Local.
     fn turns_round(&self, index: usize, answer: &Response) -> bool {

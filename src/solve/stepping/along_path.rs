@@ -16,12 +16,15 @@ const MOST_SCALINGS: usize = 3;
 
 impl Stepper<'_> {
     /// A step of path following. From rest it starts where the first point is about to give way, to
-    /// which all loads are scaled: everything is linear up to there. Collective.
+    /// which all loads are scaled: everything is proportional up to there. Collective.
     pub(super) fn solve_path(&mut self, target: f64) -> Result<SolveReport> {
         self.start_on_path(target)?;
-        let is_as_at_start = self.problem.interfaces.committed == self.problem.interfaces.initial;
+        let interfaces = &self.problem.interfaces;
+        let is_changed = interfaces.committed != interfaces.initial;
+        // Lips that have slid against friction do not slide back where loads are scaled down.
+        let is_changed = is_changed || interfaces.have_slid(&self.problem.all);
         let mut corrections = [0; 2];
-        if !self.problem.comm.any(!is_as_at_start) {
+        if !self.problem.comm.any(is_changed) {
             let small = self.load_to(SMALL_FACTOR)?;
             let share = self.share_of_strength();
             if !small.reason.is_converged() || share == 0.0 {
