@@ -34,6 +34,11 @@ const SMOOTH: f64 = 0.75;
 /// Most growth of the cells: their ratio is then the square of the cells from an end to the middle.
 const MOST_GROWTH: u32 = 2;
 
+/// Cells that grow cost several times as much by unknown in 3D, where multigrid takes more
+/// iterations: they are worth it where even ones would have to be halved more often than this, in
+/// 2D and in 3D.
+const FEW_HALVINGS: [f64; 2] = [0.0, 2.0];
+
 /// Growth of an exponent of the unknowns with which costs grow.
 const COST: f64 = 1.3;
 
@@ -202,9 +207,13 @@ impl Search<'_> {
                 continue;
             }
             next.levels[axis] += 1;
-            let is_rough = errors.order(number).is_none_or(|order| order < smooth);
+            let order = errors.order(number);
+            let is_rough = order.is_none_or(|order| order < smooth);
+            let halvings = (need / share).max(1.0).log2() / order.unwrap_or(1.0);
+            let family = self.trials.family;
+            let is_worth_it = halvings >= FEW_HALVINGS[family.dim() - 2];
             let growing = &mut self.growing[axis];
-            let may_grow = !self.trials.family.is_of_file() && !growing.is_fixed;
+            let may_grow = !family.is_of_file() && !growing.is_fixed && is_worth_it;
             if is_rough && may_grow && next.growth[axis] < MOST_GROWTH {
                 next.growth[axis] += 1;
                 growing.before = Some(need);

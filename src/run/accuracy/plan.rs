@@ -98,6 +98,11 @@ impl<'c> Family<'c> {
         }
     }
 
+    /// 2 or 3.
+    pub fn dim(&self) -> usize {
+        self.case.dim
+    }
+
     /// The highest order of the cells.
     pub fn order(&self) -> usize {
         match &self.case.mesh.source {

@@ -235,7 +235,7 @@ impl LinearChoice {
         let grading = case.mesh.column().map(|column| &column.grading);
         let grows = |axis| grading.is_some_and(|of| of.along(axis).is_some_and(|g| g.ratio > FLAT));
         if (0..3).any(grows) {
-            return Self::for_file(mesh.dim, unknowns);
+            return Self::for_growing(case, mesh, unknowns);
         }
         let why = "coarser lattices of the column make iterations cheap and few";
         Self::named(MULTIGRID, format!("{unknowns:.0} unknowns: {why}"))
@@ -255,6 +255,17 @@ impl LinearChoice {
         };
         let why = format!("{unknowns:.0} unknowns: {meshes} make iterations cheap and few");
         Some(Self::named(MULTIGRID, why))
+    }
+
+    /// Cells that grow along an axis: iterations are several times as many, but with cells of second
+    /// order in 3D they still cost a half of what elimination does, and a third of aggregation's.
+    fn for_growing(case: &Case, mesh: &MeshFacts, unknowns: f64) -> Self {
+        let orders = case.mesh.column().map_or(&[][..], |column| &column.orders);
+        if mesh.dim == 2 || unknowns < FEWEST_NESTED || orders.iter().all(|order| *order == 1) {
+            return Self::for_file(mesh.dim, unknowns);
+        }
+        let why = "coarser lattices make iterations cheap, though cells that grow make them many";
+        Self::named(MULTIGRID, format!("{unknowns:.0} unknowns: {why}"))
     }
 
     /// The mesh of a file may have no coarser ones: elimination, up to where its fill costs more
