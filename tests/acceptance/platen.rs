@@ -243,5 +243,7 @@ fn a_platen_that_may_turn_follows_the_tilting_state() {
     assert!(told.len() == 1 && told[0].contains("tilting of interface joint"), "{told:?}");
     assert!(run.column("top.rotation_y")[1].abs() > 1e-3, "{}", run.label);
     assert!(run.column("top.moment_y")[1].abs() < 1e-3, "{}", run.label);
-    run.assert_same(&scene.on(2), 1e-7);
+    // The moments are rounding alone, on any number of ranks.
+    let [one, two] = [run, scene.on(2)].map(|run| run.column("top.rotation_y")[1]);
+    assert!((one - two).abs() < 1e-7 * one.abs(), "{one:e} {two:e}");
 }

@@ -144,9 +144,9 @@ pub struct Mode {
 
 /// The mode of the lowest eigenvalue of the state that was evaluated last, at which `tangent` was
 /// set up; `of_platens` are the changes of the unknowns with the motions of platens that follow
-/// their loads. Its sign, and which of several modes of the same eigenvalue it is, follow from the sum
-/// of the jumps with weights that are random by the names of the nodes: they depend neither on the
-/// solver nor on the number of ranks. Collective.
+/// their loads. Its sign, and which of several modes of the same eigenvalue it is, follow from the
+/// sum of the jumps with weights that are random by the names of the nodes: they depend neither on
+/// the solver nor on the number of ranks. Collective.
 ///
 /// # Errors
 /// `System` when PETSc fails.
