@@ -170,3 +170,80 @@ solver: {stability: warn}
         assert!(told.iter().all(|words| words.contains("tilting of interface joint")), "{told:?}");
     }
 }
+
+/// A bar of 1 m x 4 m with a joint in its middle that softens, under what acts on its top.
+fn softening_bar(top: &str, more: &str) -> Scene {
+    let yaml = format!(
+        "
+mesh: {{column: {{size: [1, 4], cells: [2, 4]}}, order: 2}}
+materials: {{rock: {{elastic: {{young_modulus: 1.0e9, poisson_ratio: 0.2}}}}}}
+interfaces:
+  - name: joint
+    z: 2.0
+    law: {{exponential_softening: {{strength: 1.0e6, fracture_energy: 2500.0}}}}
+boundary:
+  - {{on: bottom, displacement: {{x: 0, z: 0}}}}
+  - {{on: top, {top}}}
+{more}
+"
+    );
+    Scene::new("bar", &yaml)
+}
+
+/// On a path the force on a platen is scaled as a prescribed displacement would be: past the peak
+/// both are in the same states. One that turns carries its moment too, and goes on after a stop.
+#[test]
+fn a_platen_under_a_force_is_followed_past_its_peak() {
+    let path = "
+control: {opening: {of: joint, equals: {table: [[0, 0], [1, 4.0e-3]]}}}
+time: {instants: [0.1, 0.5, 1]}
+";
+    let held = softening_bar("displacement: {x: 0, z: 1.0e-3}", path).on(1);
+    let free = "rigid: {x: fixed, z: free, rotation: fixed, force: {z: 1.0e5}}";
+    let free = softening_bar(free, path).on(1);
+    let factors = free.column("load_factor");
+    assert!(factors[2] < 0.5 * factors[0] && factors[2] > 0.0, "{factors:?}");
+    for (row, factor) in factors.iter().enumerate() {
+        let force = held.column("top.reaction_z")[row];
+        assert!((1.0e5 * factor - force).abs() < 1e-8 * force, "{factor:e} {force:e}");
+        let moved = 1.0e-3 * held.column("load_factor")[row];
+        let found = free.column("top.displacement_z")[row];
+        assert!((moved - found).abs() < 1e-8 * moved, "{moved:e} {found:e}");
+    }
+    let turning =
+        "rigid: {x: free, z: free, rotation: free, force: {z: 1.0e5}, moment: {y: 1.0e4}}";
+    let scene = softening_bar(turning, path);
+    let run = scene.on(1);
+    for (factor, moment) in run.column("load_factor").iter().zip(run.column("top.moment_y")) {
+        assert!((1.0e4 * factor - moment).abs() < 1e-8 * moment, "{factor:e} {moment:e}");
+    }
+    run.assert_same(&scene.stopped(1, "history:0:term:2", 2), 1e-7);
+}
+
+/// The saddle-point form finds the motions of platens that the condensed one finds.
+#[test]
+fn both_forms_move_a_platen_alike() {
+    let platen = "rigid: {x: fixed, z: free, rotation: free, force: {z: -9.0e5}, \
+                  moment: {y: {formula: \"4.0e5*t\"}}}";
+    let scene = softening_bar(platen, "time: {instants: [0.5, 1]}");
+    let scene = scene.set("interfaces.0.law={contact: {}}");
+    let saddle = scene.set("solver.form=saddle_point");
+    scene.on(1).assert_same(&saddle.on(2), 1e-8);
+}
+
+/// The even state of a softening joint is left for a tilted one where the platen may turn.
+#[test]
+fn a_platen_that_may_turn_follows_the_tilting_state() {
+    let platen = "rigid: {x: free, z: {table: [[0, 0], [1, 3.9e-3], [2, 4.2e-3]]}, rotation: free}";
+    let scene = softening_bar(platen, "time: {instants: [1, 2]}\nsolver: {stability: follow}");
+    let law = "interfaces.0.law={linear_softening: {strength: 1.0e6, fracture_energy: 2500.0}}";
+    let scene = scene.set(law).set("mesh.order=1");
+    let run = scene.on(1);
+    let told = run.told("bifurcations");
+    assert!(told.len() == 1 && told[0].contains("tilting of interface joint"), "{told:?}");
+    assert!(run.column("top.rotation_y")[1].abs() > 1e-3, "{}", run.label);
+    assert!(run.column("top.moment_y")[1].abs() < 1e-3, "{}", run.label);
+    // The moments are rounding alone, on any number of ranks.
+    let [one, two] = [run, scene.on(2)].map(|run| run.column("top.rotation_y")[1]);
+    assert!((one - two).abs() < 1e-7 * one.abs(), "{one:e} {two:e}");
+}

@@ -1,13 +1,13 @@
 //! Checks of platens: surfaces that move as rigid bodies.
 
 use super::checker::Checker;
+use crate::case::Case;
 use crate::case::sections::file::{BoundarySection, CaseFile, Components};
 use crate::case::sections::quantity::Quantity;
 use crate::case::sections::{
     BoundarySpec, Motion, MotionSection, MotionWord, RigidSection, RigidSpec, RotationSection,
     Surface,
 };
-use crate::case::{Case, Form, Stability};
 use crate::input::Value;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -194,8 +194,7 @@ impl Checker<'_> {
         self.add(&format!("boundary.{index}"), reason);
     }
 
-    /// Two platens on one surface, a probe of the name of one, and what a platen that follows its
-    /// load cannot stand beside.
+    /// Two platens on one surface, and a probe of the name of one.
     pub(super) fn platens(&mut self, file: &CaseFile, boundary: &[BoundarySpec]) {
         let of_stages = self.surfaces_of_stages.iter().filter(|(_, kinds)| kinds[1]);
         let mut names: Vec<String> = of_stages.map(|(name, _)| name.clone()).collect();
@@ -208,25 +207,10 @@ impl Checker<'_> {
             }
         }
         for (index, entry) in boundary.iter().enumerate() {
-            let Some(rigid) = &entry.rigid else { continue };
             let path = format!("boundary.{index}.rigid");
             let is_second = |other: &&BoundarySpec| other.on == entry.on && other.rigid.is_some();
-            if boundary[..index].iter().any(|other| is_second(&other)) {
+            if entry.rigid.is_some() && boundary[..index].iter().any(|other| is_second(&other)) {
                 self.add(&path, "is the second one on its surface; make them one");
-            }
-            if !rigid.is_free() {
-                continue;
-            }
-            if file.control.is_some() {
-                self.add(&path, "cannot follow a load beside control; prescribe its motion");
-            }
-            if file.solver.form == Form::SaddlePoint {
-                self.add(&path, "that follows a load needs solver.form: condensed");
-            }
-            if file.solver.stability == Stability::Follow {
-                let reason = "that follows a load cannot stand beside solver.stability: follow; \
-                              take warn or stop";
-                self.add(&path, reason);
             }
         }
     }

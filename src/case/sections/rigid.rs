@@ -138,11 +138,6 @@ impl RigidSpec {
         self.along[axis].is_some() && (is_free || (0..3).any(|about| about != axis && turns(about)))
     }
 
-    /// Whether any of its motions follows from a load.
-    pub fn is_free(&self) -> bool {
-        self.along.iter().chain(&self.about).any(|motion| *motion == Some(Motion::Free))
-    }
-
     /// All values in it.
     pub fn values(&self) -> impl Iterator<Item = &Value> {
         let motions = self.along.iter().chain(&self.about).filter_map(|motion| match motion {

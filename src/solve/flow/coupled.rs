@@ -14,6 +14,7 @@ use crate::petsc::{
     Trial, Verdict,
 };
 use crate::solve::guess::residual_projection::ResidualProjection;
+use crate::solve::problem::platen_columns::Linearised;
 use crate::solve::problem::{Problem, condensed};
 use crate::timers::Phase;
 
@@ -156,7 +157,9 @@ impl NonlinearSystem for CoupledSystem<'_, '_> {
         let mut free = condensed::free_components(&problem.all, &problem.interfaces);
         free.resize(correction.len(), true);
         blocks.for_identity_rows(|node| free[blocks.split + node] = false);
-        problem.move_platens(correction, &free, &|of, x| blocks.forces_of(of, x), solve)?;
+        let product = |of: &Problem<'_>, x: &[f64]| blocks.forces_of(of, x);
+        let at = Linearised::new(&free, &product);
+        problem.move_platens(correction, &at, solve)?;
         let u = &mut correction[..blocks.split];
         condensed::follow(&problem.all, &problem.interfaces, u);
         if !blocks.has_pressures {

@@ -121,34 +121,39 @@ impl Platens {
 
     /// R^T of owned unknowns, over this rank. Local.
     pub fn times(&self, of: impl Fn(usize) -> f64) -> Vec<f64> {
-        let mut sums = vec![0.0; self.freedoms.len()];
-        for row in &self.rows {
-            let value = of(row.unknown);
-            row.terms.iter().for_each(|(k, factor)| sums[*k] += factor * value);
-        }
-        sums
+        self.sums(|row, factor| factor * of(row.unknown))
     }
 
     /// As [`Platens::times`], of magnitudes. Local.
     pub fn times_magnitude(&self, of: impl Fn(usize) -> f64) -> Vec<f64> {
-        let mut sums = vec![0.0; self.freedoms.len()];
-        for row in &self.rows {
-            let value = of(row.unknown).abs();
-            row.terms.iter().for_each(|(k, factor)| sums[*k] += factor.abs() * value);
-        }
-        sums
+        self.sums(|row, factor| (factor * of(row.unknown)).abs())
     }
 
     /// The freedoms of a displacement of owned unknowns: those of the rigid motion closest to it.
     /// Collective.
     pub fn motions(&self, comm: &Comm, of: impl Fn(usize) -> f64) -> Vec<f64> {
-        let mut sums = vec![0.0; self.freedoms.len()];
-        for row in self.rows.iter().filter(|row| row.is_pure) {
-            let value = of(row.unknown);
-            row.terms.iter().for_each(|(k, factor)| sums[*k] += factor * value);
-        }
+        let pure =
+            |row: &Row, factor: f64| if row.is_pure { factor * of(row.unknown) } else { 0.0 };
+        let mut sums = self.sums(pure);
         comm.sum(&mut sums);
         (&self.inverse * DVector::from_vec(sums)).as_slice().to_vec()
+    }
+
+    /// Sums over this rank's unknowns for each freedom, with its factor in them. Local.
+    fn sums(&self, part: impl Fn(&Row, f64) -> f64) -> Vec<f64> {
+        let mut sums = vec![0.0; self.freedoms.len()];
+        for row in &self.rows {
+            row.terms.iter().for_each(|(k, factor)| sums[*k] += part(row, *factor));
+        }
+        sums
+    }
+
+    /// Adds what the free motions make of owned unknowns to `x`, with the motions `now`. Local.
+    pub fn add_free(&self, x: &mut [f64], now: &[f64]) {
+        for row in self.rows.iter().filter(|row| row.is_carried) {
+            let terms = row.terms.iter().filter(|(k, _)| self.free.binary_search(k).is_ok());
+            x[row.unknown] += terms.map(|(k, factor)| factor * now[*k]).sum::<f64>();
+        }
     }
 
     /// Writes the displacements of carried unknowns into `x`, where the platens are at `now`: what

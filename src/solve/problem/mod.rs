@@ -6,6 +6,7 @@
 
 mod areas;
 pub mod block_tangent;
+mod bordering;
 mod carried;
 pub(in crate::solve) mod condensed;
 pub(in crate::solve) mod convergence;
@@ -16,6 +17,7 @@ mod known_pressure;
 pub(in crate::solve) mod measure;
 mod newton;
 pub(in crate::solve) mod path;
+pub(in crate::solve) mod platen_columns;
 pub(in crate::solve) mod platens;
 mod predictor;
 mod reactions;
@@ -291,6 +293,10 @@ impl<'a> Problem<'a> {
         self.comm.agree(platens)?;
         if let Some(path) = &mut self.path {
             path.unit_load.clone_from(&self.load);
+            path.unit_of_platens = match &self.platens {
+                Some(of) => of.platens.load.clone(),
+                None => Vec::new(),
+            };
             self.scale_load();
         }
         Ok(())
@@ -299,7 +305,10 @@ impl<'a> Problem<'a> {
     /// Makes the load that of the present load factor. Local.
     pub(super) fn scale_load(&mut self) {
         if let Some(path) = &self.path {
-            self.load.iter_mut().zip(&path.unit_load).for_each(|(l, unit)| *l = path.factor * unit);
+            let of_platens = self.platens.iter_mut().flat_map(|of| &mut of.platens.load);
+            let of_platens = of_platens.zip(&path.unit_of_platens);
+            let loads = self.load.iter_mut().zip(&path.unit_load);
+            loads.chain(of_platens).for_each(|(load, unit)| *load = path.factor * unit);
         }
     }
 

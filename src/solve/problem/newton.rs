@@ -1,7 +1,7 @@
 //! The problem as the callbacks of Newton's method see it.
 
 use super::path::PathControl;
-use super::unsymmetric::norm;
+use super::platen_columns::Linearised;
 use super::{Problem, TangentForm, condensed};
 use crate::assembly::NodeState;
 use crate::error::{Error, Result};
@@ -102,37 +102,13 @@ impl NonlinearSystem for Problem<'_> {
         self.set_known(correction);
         self.is_skew = self.add_unsymmetric(correction, self.judged_norm, solve)?;
         let part = self.convergence.part_of_step();
-        let Some(path) = self.path.as_ref().filter(|path| path.follows()) else {
-            self.finish(correction, solve)?;
-            correction.iter_mut().for_each(|c| *c *= part);
+        if self.path.as_ref().is_some_and(PathControl::follows) {
+            self.correct_along_path(correction, part, solve)?;
+            self.scale_load();
             return Ok(());
-        };
-        let before = path.factor;
-        let rhs = path.load_residual(self.comm, &self.all, &self.interfaces);
-        let mut along = vec![0.0; rhs.len()];
-        let solved = solve(&rhs, &mut along);
-        let size = norm(self.comm, &rhs);
-        let solved = solved.and_then(|()| self.add_unsymmetric(&mut along, size, solve));
-        let (comm, all, state) = (self.comm, &self.all, &self.interfaces);
-        let path = self.path.as_mut().expect("looked at above");
-        match solved {
-            Ok(_) => {
-                along
-                    .iter_mut()
-                    .zip(condensed::free_components(all, state))
-                    .filter(|(_, free)| !free)
-                    .for_each(|(a, _)| *a = 0.0);
-                path.combine(comm, all, state, correction, along);
-                path.factor = before + part * (path.factor - before);
-                correction.iter_mut().for_each(|c| *c *= part);
-            }
-            Err(Error::Numerics(words)) => {
-                (path.failure, path.is_unsolved) = (Some(words), true);
-                correction.fill(0.0);
-            }
-            Err(other) => return Err(other),
         }
-        self.scale_load();
+        self.finish(correction, solve)?;
+        correction.iter_mut().for_each(|c| *c *= part);
         Ok(())
     }
 
@@ -240,7 +216,8 @@ impl Problem<'_> {
         condensed::follow(&self.all, &self.interfaces, &mut own);
         self.keep(&own);
         let free = condensed::free_components(&self.all, &self.interfaces);
-        self.move_platens(correction, &free, &|problem, u| problem.forces_of(u), solve)?;
+        let at = Linearised::new(&free, &|problem, u| problem.forces_of(u));
+        self.move_platens(correction, &at, solve)?;
         condensed::follow(&self.all, &self.interfaces, correction);
         Ok(())
     }

@@ -20,6 +20,9 @@ pub const OVERSTRESS: f64 = 1e-7;
 /// method would cycle.
 const BEYOND: f64 = 1e-9;
 
+/// A load factor below this part of that before counts as 0 after rupture.
+const NOTHING: f64 = 1e-4;
+
 /// The load factor of a path by dissipation grows or falls by at most this in one correction.
 const MOST_GROWTH: f64 = 4.0;
 
@@ -36,6 +39,8 @@ pub struct PathControl {
     target: f64,
     /// The loads at factor 1 per local node, not summed (N).
     pub unit_load: Vec<f64>,
+    /// Those on platens, by free motion (N, N m).
+    pub unit_of_platens: Vec<f64>,
     /// The prescribed displacements at factor 1, owned components (m).
     pub unit_displacement: Vec<f64>,
     /// Whether the factor is held for now.
@@ -53,7 +58,15 @@ struct Sums {
     weight: f64,
     value: f64,
     /// Of the corrections given.
-    changes: [f64; 2],
+    changes: Vec<f64>,
+}
+
+/// How the quantity answers to corrections.
+pub(super) struct Answers {
+    /// What it is beyond its value, times its weight.
+    pub missing: f64,
+    /// By how much each correction takes it back.
+    pub changes: Vec<f64>,
 }
 
 impl PathControl {
@@ -66,6 +79,7 @@ impl PathControl {
             accepted: 0.0,
             target: 0.0,
             unit_load: Vec::new(),
+            unit_of_platens: Vec::new(),
             unit_displacement: Vec::new(),
             held: false,
             failure: None,
@@ -100,8 +114,7 @@ impl PathControl {
 
     /// The dissipated part of the energy, or the mean opening (m). Collective.
     pub fn value(&self, comm: &Comm, all: &Discretization, state: &InterfaceState) -> f64 {
-        let none = vec![0.0; all.nodes.len() * all.dim];
-        let sums = self.sums(comm, all, state, [&none, &none], false);
+        let sums = self.sums(comm, all, state, &[], false);
         sums.value / sums.weight
     }
 
@@ -125,7 +138,9 @@ impl PathControl {
     /// is on the path of the opposite loads.
     pub fn turned(&self) -> Option<String> {
         let dissipates = matches!(self.control.kind, ControlKind::Dissipation(_));
-        (dissipates && self.factor * self.accepted < 0.0).then(|| {
+        // What is broken carries nothing: forces end at 0, up to what is accepted as such.
+        let carries = !self.breaks() || self.factor.abs() > NOTHING * self.accepted.abs();
+        (dissipates && carries && self.factor * self.accepted < 0.0).then(|| {
             format!(
                 "the load factor jumped from {:e} to {:e}, where the loads are turned round",
                 self.accepted, self.factor
@@ -160,8 +175,7 @@ impl PathControl {
         if self.held {
             return 0.0;
         }
-        let none = vec![0.0; all.nodes.len() * all.dim];
-        let sums = self.sums(comm, all, state, [&none, &none], self.breaks());
+        let sums = self.sums(comm, all, state, &[], self.breaks());
         let scale = match self.control.kind {
             ControlKind::Dissipation(_) => 1.0,
             ControlKind::Opening(_) => {
@@ -171,9 +185,9 @@ impl PathControl {
         (sums.value / sums.weight - self.target).abs() / scale
     }
 
-    /// The change of the residual with the factor, where the state is linearised; owned components.
+    /// The change of the forces on owned components with the factor, where the state is linearised.
     /// Collective.
-    pub fn load_residual(
+    pub fn load_forces(
         &self,
         comm: &Comm,
         all: &Discretization,
@@ -182,55 +196,40 @@ impl PathControl {
         let minus_load = |_: &[f64], force: &mut [f64]| {
             force.iter_mut().zip(&self.unit_load).for_each(|(force, load)| *force -= load);
         };
-        let u = self.unit_displacement.clone();
-        let mut force = condensed::linear_forces(comm, all, state, u, minus_load);
-        let free = condensed::free_components(all, state);
-        force
-            .iter_mut()
-            .zip(free)
-            .for_each(|(force, free)| *force = if free { *force } else { 0.0 });
-        force
+        condensed::linear_forces(comm, all, state, self.unit_displacement.clone(), minus_load)
     }
 
-    /// Turns the two solutions, in the unknowns, into one correction of the displacements, and
-    /// changes the factor; `along` belongs to [`PathControl::load_residual`]. Collective.
-    pub fn combine(
-        &mut self,
+    /// How the quantity answers to corrections of the owned displacements. Collective.
+    pub(super) fn answers(
+        &self,
         comm: &Comm,
         all: &Discretization,
         state: &InterfaceState,
-        correction: &mut [f64],
-        mut along: Vec<f64>,
-    ) {
-        for (along, unit) in along.iter_mut().zip(&self.unit_displacement) {
-            *along -= unit;
-        }
-        condensed::follow(all, state, correction);
-        condensed::follow(all, state, &mut along);
-        let mut local = [correction.to_vec(), along.clone()];
-        for v in &mut local {
+        corrections: &[&[f64]],
+    ) -> Answers {
+        let local = |correction: &&[f64]| {
+            let mut v = correction.to_vec();
             v.resize(all.nodes.len() * all.dim, 0.0);
-            all.nodes.update_ghosts(v, all.dim);
-        }
-        let sums = self.sums(comm, all, state, [&local[0], &local[1]], self.breaks());
-        let missing = sums.value - self.target * sums.weight;
-        let change = (missing - sums.changes[0]) / sums.changes[1];
-        if !change.is_finite() {
-            self.failure = Some(format!(
-                "{} does not follow the loads at the factor {:e}: nothing there softens or opens; \
-                 see that the loads pull it, or that it is the first to give way",
-                self.words, self.factor
-            ));
-            return;
-        }
-        let change = self.limited(change);
-        self.factor += change;
-        correction.iter_mut().zip(&along).for_each(|(y, along)| *y += change * along);
+            all.nodes.update_ghosts(&mut v, all.dim);
+            v
+        };
+        let local: Vec<Vec<f64>> = corrections.iter().map(local).collect();
+        let Sums { weight, value, changes } = self.sums(comm, all, state, &local, self.breaks());
+        Answers { missing: value - self.target * weight, changes }
+    }
+
+    /// Takes note that the quantity does not follow the loads. Local.
+    pub(super) fn does_not_follow(&mut self) {
+        self.failure = Some(format!(
+            "{} does not follow the loads at the factor {:e}: nothing there softens or opens; \
+             see that the loads pull it, or that it is the first to give way",
+            self.words, self.factor
+        ));
     }
 
     /// The change of the factor, limited where the first points to soften are to dissipate all of a
     /// step: they would follow it far beyond rupture, or to the other sign.
-    fn limited(&self, change: f64) -> f64 {
+    pub(super) fn limited(&self, change: f64) -> f64 {
         let dissipates = matches!(self.control.kind, ControlKind::Dissipation(_));
         if !dissipates || self.breaks() || self.factor == 0.0 {
             return change;
@@ -246,11 +245,12 @@ impl PathControl {
         comm: &Comm,
         all: &Discretization,
         state: &InterfaceState,
-        corrections: [&[f64]; 2],
+        corrections: &[Vec<f64>],
         breaks: bool,
     ) -> Sums {
         let dissipation = Dissipation::new(state.laws[self.control.interface].spec.law(), breaks);
-        let mut sums = Sums::default();
+        let changes = vec![0.0; corrections.len()];
+        let mut sums = Sums { changes, ..Sums::default() };
         for (index, rows) in all.secondary[..all.owned_secondary()].iter().enumerate() {
             if rows.interface != self.control.interface || !rows.has_multiplier() {
                 continue;
@@ -271,7 +271,7 @@ struct Node<'s> {
     state: &'s InterfaceState,
     /// Into `Discretization::secondary`.
     index: usize,
-    corrections: [&'s [f64]; 2],
+    corrections: &'s [Vec<f64>],
 }
 
 impl Node<'_> {
@@ -360,9 +360,10 @@ impl Sums {
 
     /// Collective.
     fn over_ranks(self, comm: &Comm) -> Self {
-        let mut sums = [self.weight, self.value, self.changes[0], self.changes[1]];
+        let mut sums = vec![self.weight, self.value];
+        sums.extend(self.changes);
         comm.sum(&mut sums);
-        let [weight, value, changes @ ..] = sums;
-        Self { weight, value, changes }
+        let changes = sums.split_off(2);
+        Self { weight: sums[0], value: sums[1], changes }
     }
 }

@@ -16,22 +16,15 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::measure::rounding;
+use super::platen_columns::{Columns, FREE, Linearised, energies, keep};
 use super::unsymmetric::norm;
 use super::{Problem, condensed};
-use crate::comm::Comm;
 use crate::error::{Error, Result};
 use crate::petsc::FurtherSolve;
 use crate::solve::model::Platens;
 
-/// A motion is free where what resists it is less than this part of what would if nothing but the
-/// platen moved.
-const FREE: f64 = 1e-11;
-
 /// What the balance of platens is called in messages.
 const BALANCE: &str = "the balance of a platen (boundary: rigid)";
-
-/// The forces of a change of all unknowns, where the state is linearised.
-pub(in crate::solve) type Product<'p> = dyn Fn(&Problem<'_>, &[f64]) -> Vec<f64> + 'p;
 
 /// The platens of a problem.
 pub struct PlatenSystem {
@@ -49,14 +42,20 @@ pub struct PlatenSystem {
     other: &'static str,
 }
 
-/// The change of the unknowns with each free motion, and what resists these.
-struct Columns {
-    /// E_ff^-1 E_fp R - R: a correction that lets the motion grow by 1.
-    along: Vec<Vec<f64>>,
+/// The equations of the free motions beside that of a path: R^T E along times their changes, and
+/// the growth times that of the load factor, is what is missing.
+#[derive(Default)]
+pub(super) struct BesidePath {
+    /// Corrections that let the motions grow by 1.
+    pub along: Vec<Vec<f64>>,
     /// R^T E along.
-    border: DMatrix<f64>,
-    /// S, each motion scaled by what would resist it if nothing else moved.
-    schur: DMatrix<f64>,
+    pub border: DMatrix<f64>,
+    /// What makes motions comparable.
+    pub scale: Vec<f64>,
+    /// What is missing in their balance (N, N m).
+    pub missing: DVector<f64>,
+    /// What a growth of the load factor by 1 takes of that.
+    pub growth: DVector<f64>,
 }
 
 /// What a platen does in a mode that lowers the energy.
@@ -109,23 +108,16 @@ impl PlatenSystem {
         &mut self,
         problem: &Problem<'_>,
         correction: &mut [f64],
-        free: &[bool],
-        product: &Product<'_>,
+        at: &Linearised<'_>,
         solve: &mut FurtherSolve<'_>,
     ) -> Result<()> {
-        let columns = match self.columns.take() {
-            Some(columns) => columns,
-            None => match self.columns(problem, free, product, solve) {
-                Ok(columns) => columns,
-                Err(Error::Numerics(words)) => {
-                    (self.failure, self.is_unsolved) = (Some(words), true);
-                    correction.fill(0.0);
-                    return Ok(());
-                }
-                Err(other) => return Err(other),
-            },
-        };
-        if let Some(words) = self.free_motion(&columns) {
+        if !self.prepare(problem, at, solve)? {
+            correction.fill(0.0);
+            return Ok(());
+        }
+        let missing = self.missing(problem, correction, at);
+        let Some(columns) = &self.columns else { return Ok(()) };
+        if let Some(words) = columns.free_motion(&self.platens) {
             if problem.convergence.accepted_force() == 0.0 && problem.corrections == 0 {
                 return Err(Error::Input(words));
             }
@@ -133,101 +125,91 @@ impl PlatenSystem {
             correction.fill(0.0);
             return Ok(());
         }
-        let mut y = correction.to_vec();
-        keep(&mut y, free);
-        let forces = product(problem, &y);
-        let mut answer = self.platens.times(|i| forces[i]);
-        problem.comm.sum(&mut answer);
-        let missing = self.platens.load.iter().zip(&self.platens.free);
-        let missing = missing.map(|(load, k)| self.residual[0][*k] - load - answer[*k]);
-        let missing = DVector::from_vec(missing.collect());
         let Some(change) = columns.border.clone().lu().solve(&missing) else {
             return Err(Error::Bug("a border of platens that is singular".into()));
         };
-        for (change, along) in change.iter().zip(&columns.along) {
-            correction.iter_mut().zip(along).for_each(|(y, along)| *y += change * along);
-        }
-        self.columns = Some(columns);
+        columns.add(correction, change.as_slice());
         Ok(())
     }
 
-    fn columns(
+    /// Finds the columns of the tangent, where they are not known; whether that succeeded.
+    /// Collective.
+    fn prepare(
+        &mut self,
+        problem: &Problem<'_>,
+        at: &Linearised<'_>,
+        solve: &mut FurtherSolve<'_>,
+    ) -> Result<bool> {
+        if self.columns.is_some() {
+            return Ok(true);
+        }
+        match Columns::new(problem, &self.platens, at, solve) {
+            Ok(columns) => self.columns = Some(columns),
+            Err(Error::Numerics(words)) => {
+                (self.failure, self.is_unsolved) = (Some(words), true);
+                return Ok(false);
+            }
+            Err(other) => return Err(other),
+        }
+        Ok(true)
+    }
+
+    /// What is missing in the balance of the free motions after a correction that leaves platens
+    /// where they are (N, N m). Collective.
+    fn missing(
         &self,
         problem: &Problem<'_>,
-        free: &[bool],
-        product: &Product<'_>,
+        correction: &[f64],
+        at: &Linearised<'_>,
+    ) -> DVector<f64> {
+        let mut y = correction.to_vec();
+        keep(&mut y, at.free);
+        let forces = (at.product)(problem, &y);
+        let mut answer = self.platens.times(|i| forces[i]);
+        problem.comm.sum(&mut answer);
+        let residual = at.residual.unwrap_or(&self.residual[0]);
+        let missing = self.platens.load.iter().zip(&self.platens.free);
+        let missing = missing.map(|(load, k)| residual[*k] - load - answer[*k]);
+        DVector::from_vec(missing.collect())
+    }
+
+    /// The equations of the free motions beside that of a path: of a correction with platens held,
+    /// and of the answer `along` to a growth of the loads, whose `forces` are those on all unknowns
+    /// and `unit` those on platens. None where they could not be found. Collective.
+    ///
+    /// # Errors
+    /// `System` when PETSc fails.
+    pub(super) fn beside_path(
+        &mut self,
+        problem: &Problem<'_>,
+        [correction, along, forces]: [&[f64]; 3],
+        unit: &[f64],
+        at: &Linearised<'_>,
         solve: &mut FurtherSolve<'_>,
-    ) -> Result<Columns> {
-        let (comm, count) = (problem.comm, self.platens.free.len());
-        let (mut along, mut forces) = (Vec::new(), Vec::new());
-        let mut held = vec![0.0; count];
-        for (place, k) in self.platens.free.iter().enumerate() {
-            let mut moved = self.platens.column(*k, problem.all.nodes.owned * problem.all.dim);
-            moved.resize(free.len(), 0.0);
-            let mut rhs = product(problem, &moved);
-            held[place] = self.platens.times(|i| rhs[i])[*k];
-            keep(&mut rhs, free);
-            let (mut column, size) = (vec![0.0; rhs.len()], norm(comm, &rhs));
-            if size > 0.0 {
-                solve(&rhs, &mut column)?;
-                problem.add_unsymmetric(&mut column, size, solve)?;
-            }
-            keep(&mut column, free);
-            column.iter_mut().zip(&moved).for_each(|(column, moved)| *column -= moved);
-            forces.push(product(problem, &column));
-            along.push(column);
+    ) -> Result<Option<BesidePath>> {
+        if !self.prepare(problem, at, solve)? {
+            return Ok(None);
         }
-        comm.sum(&mut held);
-        let border = border(comm, &self.platens, &forces);
-        let schur = energies(problem, &along, &forces);
-        let scale = |i: usize| held[i].abs().sqrt().max(f64::MIN_POSITIVE).recip();
-        let schur = DMatrix::from_fn(count, count, |i, j| scale(i) * schur[(i, j)] * scale(j));
-        Ok(Columns { along, border, schur })
+        let missing = self.missing(problem, correction, at);
+        let answer = (at.product)(problem, along);
+        let mut growth = self.platens.times(|i| answer[i] - forces[i]);
+        problem.comm.sum(&mut growth);
+        let growth = self.platens.free.iter().zip(unit).map(|(k, unit)| growth[*k] + unit);
+        let growth = DVector::from_vec(growth.collect());
+        Ok(self.columns.as_ref().map(|columns| BesidePath {
+            along: columns.along.clone(),
+            border: columns.border.clone(),
+            scale: columns.scale.clone(),
+            missing,
+            growth,
+        }))
     }
 
-    /// A motion that nothing resists, in words.
-    fn free_motion(&self, columns: &Columns) -> Option<String> {
-        let eigen = SymmetricEigen::new(columns.schur.clone());
-        let count = columns.along.len();
-        let none = (0..count).find(|i| eigen.eigenvalues[*i].abs() <= FREE)?;
-        let motion = eigen.eigenvectors.column(none);
-        let most = (0..count).max_by(|i, j| motion[*i].abs().total_cmp(&motion[*j].abs()))?;
-        Some(format!(
-            "{}: nothing holds the platen, and the body it is on, against this motion; prescribe a \
-             displacement on another surface of the body, join it to one that is held, or give the \
-             motion fixed or a value",
-            self.platens.name(self.platens.free[most])
-        ))
+    /// Takes note of a motion that nothing resists, where there is one. Local.
+    pub(super) fn fail_where_free(&mut self) -> Option<&str> {
+        let words = self.columns.as_ref()?.free_motion(&self.platens)?;
+        Some(self.failure.insert(words).as_str())
     }
-}
-
-/// Leaves what is solved for.
-fn keep(of: &mut [f64], free: &[bool]) {
-    of.iter_mut().zip(free).filter(|(_, free)| !**free).for_each(|(of, _)| *of = 0.0);
-}
-
-/// R^T of the forces of each column. Collective.
-fn border(comm: &Comm, platens: &Platens, forces: &[Vec<f64>]) -> DMatrix<f64> {
-    let count = forces.len();
-    let mut border = DMatrix::zeros(count, count);
-    for (j, force) in forces.iter().enumerate() {
-        let sums = platens.times(|unknown| force[unknown]);
-        platens.free.iter().enumerate().for_each(|(i, k)| border[(i, j)] = sums[*k]);
-    }
-    comm.sum(border.as_mut_slice());
-    border
-}
-
-/// The energies of pairs of columns (J), which are exact to the square of what the solutions lack.
-/// Collective.
-fn energies(problem: &Problem<'_>, along: &[Vec<f64>], forces: &[Vec<f64>]) -> DMatrix<f64> {
-    let size = problem.all.nodes.owned * problem.all.dim;
-    let pair = |i: usize, j: usize| -> f64 {
-        along[i].iter().zip(&forces[j]).take(size).map(|(u, f)| u * f).sum()
-    };
-    let mut energies = DMatrix::from_fn(along.len(), along.len(), pair);
-    problem.comm.sum(energies.as_mut_slice());
-    0.5 * (&energies + energies.transpose())
 }
 
 impl Problem<'_> {
@@ -236,20 +218,21 @@ impl Problem<'_> {
         self.platens.as_ref().is_some_and(|system| !system.platens.free.is_empty())
     }
 
-    /// Takes the forces on platens out of the balance `f` of all unknowns. Collective.
-    pub(super) fn see_platens(&mut self, f: &[f64]) {
-        let Some(system) = &mut self.platens else { return };
+    /// Takes the forces on platens out of the balance of all unknowns. Collective.
+    pub(super) fn see_platens(&mut self, f: impl Fn(&Self, usize) -> f64) {
+        let Some(mut system) = self.platens.take() else { return };
         let (dim, u) = (self.all.dim, &self.displacement);
         let cancelling = |i: usize| rounding(self.stiffness[i / dim] * u[i]);
         let sums = [
-            system.platens.times(|i| f[i]),
-            system.platens.times_magnitude(|i| f[i]),
+            system.platens.times(|i| f(self, i)),
+            system.platens.times_magnitude(|i| f(self, i)),
             system.platens.times_magnitude(cancelling),
         ];
         let mut all = sums.concat();
         self.comm.sum(&mut all);
         let count = system.platens.freedoms.len();
         system.residual = std::array::from_fn(|i| all[i * count..][..count].to_vec());
+        self.platens = Some(system);
     }
 
     /// How far the platens are out of balance, over the size of their forces. Local.
@@ -270,23 +253,21 @@ impl Problem<'_> {
         }
     }
 
-    /// Lets the platens move in a correction of the unknowns of which `free` are solved for.
-    /// Collective.
+    /// Lets the platens move in a correction of the unknowns. Collective.
     ///
     /// # Errors
     /// `Input` where nothing holds a platen at the start; `System` when PETSc fails.
     pub(in crate::solve) fn move_platens(
         &mut self,
         correction: &mut [f64],
-        free: &[bool],
-        product: &Product<'_>,
+        at: &Linearised<'_>,
         solve: &mut FurtherSolve<'_>,
     ) -> Result<()> {
         if !self.has_free_platens() {
             return Ok(());
         }
         let Some(mut system) = self.platens.take() else { return Ok(()) };
-        let moved = system.step(self, correction, free, product, solve);
+        let moved = system.step(self, correction, at, solve);
         self.platens = Some(system);
         moved
     }
@@ -320,26 +301,42 @@ impl Problem<'_> {
         &mut self,
         solve: Option<&mut FurtherSolve<'_>>,
     ) -> Result<Option<SofteningPlatens>> {
+        if let Some(solve) = solve {
+            self.find_columns(solve)?;
+        }
+        let columns = self.platens.as_ref().and_then(|system| system.columns.as_ref());
+        Ok(columns.and_then(|columns| self.lowest_of(columns)))
+    }
+
+    /// The changes of the unknowns with the free motions, at the state that was evaluated last,
+    /// where that is linearised; `solve` with the tangent there. Collective.
+    ///
+    /// # Errors
+    /// Those of `solve`.
+    pub(in crate::solve) fn answers_to_platens(
+        &mut self,
+        solve: &mut FurtherSolve<'_>,
+    ) -> Result<Vec<Vec<f64>>> {
+        self.find_columns(solve)?;
+        let columns = self.platens.as_ref().and_then(|system| system.columns.as_ref());
+        Ok(columns.map_or_else(Vec::new, |columns| columns.along.clone()))
+    }
+
+    /// Finds the columns of the tangent without flow, where they are not known. Collective.
+    fn find_columns(&mut self, solve: &mut FurtherSolve<'_>) -> Result<()> {
         if !self.has_free_platens() {
-            return Ok(None);
+            return Ok(());
         }
-        let Some(mut system) = self.platens.take() else { return Ok(None) };
-        let mut columns = system.columns.take();
-        if let (None, Some(solve)) = (&columns, solve) {
-            let free = condensed::free_components(&self.all, &self.interfaces);
-            let found = system.columns(self, &free, &|problem, u| problem.forces_of(u), solve);
-            columns = match found {
-                Ok(found) => Some(found),
-                Err(error) => {
-                    self.platens = Some(system);
-                    return Err(error);
-                }
-            };
-        }
-        let softening = columns.as_ref().and_then(|columns| self.lowest_of(columns));
-        system.columns = columns;
+        let Some(mut system) = self.platens.take() else { return Ok(()) };
+        let free = condensed::free_components(&self.all, &self.interfaces);
+        let at = Linearised::new(&free, &|problem, u| problem.forces_of(u));
+        let found = match system.columns.take() {
+            Some(columns) => Ok(columns),
+            None => Columns::new(self, &system.platens, &at, solve),
+        };
+        let found = found.map(|columns| system.columns = Some(columns));
         self.platens = Some(system);
-        Ok(softening)
+        found
     }
 
     /// The mode of the columns that lowers the energy most, where the state is linearised.

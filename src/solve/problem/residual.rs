@@ -104,7 +104,7 @@ impl Problem<'_> {
             *value = self.balance[i] - known_force[i];
         }
         condensed::fold(self.comm, &self.all, &self.interfaces, f);
-        self.see_platens(f);
+        self.see_platens(|_, i| f[i]);
         let (all, dim) = (&self.all, self.all.dim);
         // Identity rows: nothing to do where prescribed, the known jump where stuck.
         for node in 0..all.nodes.owned {

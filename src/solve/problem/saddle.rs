@@ -4,10 +4,11 @@
 //! as [`SaddleTangent`] says. Newton's method is the same as that of the condensed form, since
 //! equilibrium is linear: after a correction the multipliers are those that the bulk transmits.
 
-use super::Problem;
 use super::convergence::Iterate;
 use super::measure::Worst;
-use crate::assembly::{LawDerivative, SaddleTangent};
+use super::platen_columns::Linearised;
+use super::{PlatenSystem, Problem};
+use crate::assembly::{CellSet, LawDerivative, SaddleTangent};
 use crate::error::Result;
 use crate::fault;
 use crate::petsc::{
@@ -20,12 +21,14 @@ pub struct SaddlePoint {
     tangent: SaddleTangent,
     /// Derivatives with which the tangent was assembled, at owned secondary nodes.
     assembled: Option<Vec<LawDerivative>>,
+    /// Forces on platens with the multipliers, by motion (N, N m).
+    of_platens: Vec<f64>,
 }
 
 impl SaddlePoint {
     /// Nothing is assembled yet.
     pub fn new(tangent: SaddleTangent) -> Self {
-        Self { tangent, assembled: None }
+        Self { tangent, assembled: None, of_platens: Vec::new() }
     }
 
     /// Sets the multipliers in `x` to what the bulk transmits at its displacements: the state from
@@ -45,6 +48,43 @@ impl SaddlePoint {
             }
         }
         Ok(())
+    }
+
+    /// The change of the residual with a change of the unknowns, also of prescribed ones.
+    /// Collective.
+    fn forces_of(&self, problem: &Problem<'_>, change: &[f64]) -> Vec<f64> {
+        let (all, scale) = (&problem.all, self.tangent.scale);
+        let (dim, owned) = (all.dim, all.nodes.owned * all.dim);
+        let mut u = change[..owned].to_vec();
+        u.resize(all.nodes.len() * dim, 0.0);
+        all.nodes.update_ghosts(&mut u, dim);
+        let mut force = vec![0.0; u.len()];
+        all.add_forces(CellSet::All, &u, &mut force, None);
+        all.nodes.add_to_owners(&mut force, dim);
+        let multipliers = &change[owned..];
+        let traction = |index: usize, c: usize| {
+            let row = all.secondary[index].rows[c].as_ref();
+            row.map_or(0.0, |row| multipliers[index * dim + c] * scale / row.weight)
+        };
+        all.add_tractions(traction, &mut force);
+        force.truncate(owned);
+        for (index, law) in self.assembled.iter().flatten().enumerate() {
+            let rows = &all.secondary[index];
+            for c in 0..dim {
+                if rows.rows[c].is_none() {
+                    force.push(scale * multipliers[index * dim + c]);
+                    continue;
+                }
+                let jump = |d: usize| {
+                    let answer = law.augmentation * law.compliance[c][d];
+                    (f64::from(u8::from(c == d)) - answer) * all.jump(index, d, &u)
+                };
+                let answer = |d: usize| law.compliance[c][d] * traction(index, d);
+                let sum: f64 = (0..dim).map(|d| jump(d) - answer(d)).sum();
+                force.push(scale * sum);
+            }
+        }
+        force
     }
 }
 
@@ -86,14 +126,20 @@ impl NonlinearSystem for SaddleSystem<'_, '_> {
             multipliers[index * dim + c] * scale / row.weight
         });
         problem.balance_of_laws();
+        problem.see_platens(|problem, i| problem.balance[i]);
         if problem.answer_in_turn(problem.worst_balance()) {
             problem.balance_of_laws();
+            problem.see_platens(|problem, i| problem.balance[i]);
         }
         let (all, response) = (&problem.all, &problem.interfaces.response);
         let (f, law) = f.split_at_mut(u.len());
         let mut force = problem.bulk_force.clone();
         all.add_tractions(|index, c| response[index].bulk_traction[c], &mut force);
         f.copy_from_slice(&force[..f.len()]);
+        if let Some(PlatenSystem { platens, .. }) = &problem.platens {
+            self.form.of_platens = platens.times(|i| f[i]);
+            problem.comm.sum(&mut self.form.of_platens);
+        }
         for node in 0..all.nodes.owned {
             for c in (0..dim).filter(|c| all.prescribed[node][*c]) {
                 f[node * dim + c] = 0.0;
@@ -124,6 +170,8 @@ impl NonlinearSystem for SaddleSystem<'_, '_> {
             return Ok(TangentChange::Unchanged);
         }
         let _phase = problem.timers.enter(Phase::Assembly);
+        self.problem.forget_columns();
+        let problem = &*self.problem;
         self.form.tangent.assemble(problem.comm, &problem.all, &law, matrix)?;
         self.form.assembled = Some(law);
         Ok(TangentChange::Changed)
@@ -133,11 +181,23 @@ impl NonlinearSystem for SaddleSystem<'_, '_> {
         &mut self,
         _x: &[f64],
         correction: &mut [f64],
-        _solve: &mut FurtherSolve<'_>,
+        solve: &mut FurtherSolve<'_>,
     ) -> Result<()> {
         self.problem.correct();
         self.problem.interfaces.overstress = 1.0;
         self.problem.hold_prescribed(correction);
+        let (all, form) = (&self.problem.all, &*self.form);
+        let prescribed = &all.prescribed[..all.nodes.owned];
+        let free = prescribed.iter().flat_map(|p| &p[..all.dim]).map(|p| !p);
+        let mut free: Vec<bool> = free.collect();
+        free.resize(correction.len(), true);
+        let at = Linearised {
+            free: &free,
+            product: &|problem, change| form.forces_of(problem, change),
+            residual: Some(&form.of_platens),
+            leaves_out: false,
+        };
+        self.problem.move_platens(correction, &at, solve)?;
         let part = self.problem.convergence.part_of_step();
         correction.iter_mut().for_each(|c| *c *= part);
         Ok(())
@@ -152,10 +212,18 @@ impl NonlinearSystem for SaddleSystem<'_, '_> {
     fn verdict(&mut self, iteration: usize, _x: &[f64], _f: &[f64], norm: f64) -> Result<Verdict> {
         let problem = &mut *self.problem;
         problem.pulse.correction(problem.comm, iteration)?;
+        let control = match problem.beside(0.0) {
+            Ok(control) => control,
+            Err(words) => {
+                problem.convergence.failure = Some(words);
+                return Ok(Verdict::Diverged);
+            }
+        };
         let worst = problem.worst_balance();
         let (comm, all, state) = (problem.comm, &problem.all, &problem.interfaces);
-        let iterate = Iterate { corrections: iteration, norm, worst, control: 0.0 };
+        let iterate = Iterate { corrections: iteration, norm, worst, control };
         let verdict = problem.convergence.judge(comm, all, state, iterate)?;
+        problem.corrections = iteration;
         Ok(problem.unless_waiting(verdict))
     }
 

@@ -29,7 +29,7 @@ pub enum Until {
 }
 
 /// A vector and the tangent's product with it.
-type WithProduct = (Vec<f64>, Vec<f64>);
+pub type WithProduct = (Vec<f64>, Vec<f64>);
 
 /// The modes that belong to the lowest of the eigenvalues that are found from as many starts, of
 /// unit length and orthogonal to each other, with the eigenvalue; none if the starts are zero.
@@ -78,6 +78,15 @@ pub fn lowest_modes(
     }
     let modes = values.iter().zip(span).filter(|(value, _)| is_same(**value, lowest));
     Ok(modes.map(|(value, (x, _))| (*value, x)).collect())
+}
+
+/// The modes that belong to the lowest Rayleigh quotient over a span of vectors with their
+/// products, at most `count`, with the quotient. Owned entries. Collective.
+pub fn lowest_of(comm: &Comm, span: &[WithProduct], count: usize) -> Vec<(f64, Vec<f64>)> {
+    let found = least(comm, span, count);
+    let lowest = found.first().map_or(0.0, |(value, _)| *value);
+    let own = found.into_iter().filter(|(value, _)| is_same(*value, lowest));
+    own.map(|(value, weights)| (value, combine(span, &weights, 0).0)).collect()
 }
 
 /// Whether two eigenvalues count as one.

@@ -15,7 +15,7 @@ use crate::hash::mix;
 use crate::petsc::TangentAt;
 use crate::solve::model::interfaces::InterfaceState;
 use crate::solve::problem::condensed;
-use eigen::{Until, lowest_modes};
+use eigen::{Until, lowest_modes, lowest_of};
 
 /// Modes that are sought together: those with equal eigenvalues then do not slow each other down.
 const BLOCK: u64 = 3;
@@ -143,9 +143,10 @@ pub struct Mode {
 }
 
 /// The mode of the lowest eigenvalue of the state that was evaluated last, at which `tangent` was
-/// set up. Its sign, and which of several modes of the same eigenvalue it is, follow from the sum
-/// of the jumps with weights that are random by the names of the nodes: they depend neither on the
-/// solver nor on the number of ranks. Collective.
+/// set up; `of_platens` are the changes of the unknowns with the motions of platens that follow
+/// their loads. Its sign, and which of several modes of the same eigenvalue it is, follow from the
+/// sum of the jumps with weights that are random by the names of the nodes: they depend neither on
+/// the solver nor on the number of ranks. Collective.
 ///
 /// # Errors
 /// `System` when PETSc fails.
@@ -154,9 +155,21 @@ pub fn lowest_mode(
     all: &Discretization,
     state: &InterfaceState,
     tangent: &mut TangentAt<'_>,
+    of_platens: Vec<Vec<f64>>,
 ) -> Result<Mode> {
     let starts = (0..BLOCK).map(|salt| start(all, state, salt)).collect();
-    let found = lowest_modes(comm, starts, tangent, Until::Exact)?;
+    let mut found = lowest_modes(comm, starts, tangent, Until::Exact)?;
+    if !of_platens.is_empty() {
+        // These have no energy in common with the modes of platens that stand still.
+        let vectors = found.into_iter().map(|(_, vector)| vector).chain(of_platens);
+        let with_product = |v: Vec<f64>| {
+            let nothing = |_: &[f64], _: &mut [f64]| {};
+            let product = condensed::linear_forces(comm, all, state, v.clone(), nothing);
+            (v, product)
+        };
+        let span: Vec<_> = vectors.map(with_product).collect();
+        found = lowest_of(comm, &span, BLOCK as usize);
+    }
     let mut sum = vec![0.0; all.nodes.len() * all.dim];
     let mut energy = 0.0;
     for (value, vector) in found {

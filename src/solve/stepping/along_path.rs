@@ -3,6 +3,7 @@
 use super::Stepper;
 use crate::error::{Error, Result};
 use crate::petsc::{SnesReason, SolveReport, Vector};
+use crate::solve::problem::PlatenSystem;
 use crate::solve::problem::path::PathControl;
 
 /// The load factor with which the onset of damage is looked for.
@@ -136,6 +137,7 @@ impl Stepper<'_> {
 
     /// Holds the load factor, or lets it follow, and writes the prescribed displacements.
     fn hold_factor(&mut self, factor: Option<f64>) -> Result<()> {
+        let now = self.platens_before(&self.x.read()?).0[0].clone();
         let Some(path) = &mut self.problem.path else { return Ok(()) };
         path.hold(factor);
         let mut x = self.x.write()?;
@@ -144,6 +146,9 @@ impl Stepper<'_> {
             x[i] = path.factor * path.unit_displacement[i];
             Ok(())
         })?;
+        if let Some(PlatenSystem { platens, .. }) = &self.problem.platens {
+            platens.add_free(&mut x, &now);
+        }
         drop(x);
         self.problem.scale_load();
         Ok(())

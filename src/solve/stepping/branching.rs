@@ -36,7 +36,11 @@ impl Stepper<'_> {
         let problem = &mut self.problem;
         let softening = problem.interfaces.response.iter().any(softens);
         let softens = problem.comm.any(softening) && self.coupling.is_none();
-        let known = if softens { problem.softening_of_platens(None)? } else { None };
+        // Columns of the saddle-point form hold multipliers too.
+        let known = match softens && self.saddle.is_none() {
+            true => problem.softening_of_platens(None)?,
+            false => None,
+        };
         let tested = match self.case.solver.stability {
             Stability::Off => false,
             Stability::Auto => (alarm || known.is_some()) && self.saddle.is_none(),
@@ -218,8 +222,10 @@ impl Stepper<'_> {
         let x = self.x.read()?.to_vec();
         let problem = &mut self.problem;
         let mut tangent = self.snes.tangent_at(problem, &x)?;
+        let mut solve = |rhs: &[f64], x: &mut [f64]| tangent.solve(rhs, x);
+        let of_platens = problem.answers_to_platens(&mut solve)?;
         let (comm, all, state) = (problem.comm, &problem.all, &problem.interfaces);
-        stability::lowest_mode(comm, all, state, &mut tangent)
+        stability::lowest_mode(comm, all, state, &mut tangent, of_platens)
     }
 
     /// The state that was evaluated last. Collective.
