@@ -257,8 +257,9 @@ impl LinearChoice {
         Some(Self::named(MULTIGRID, why))
     }
 
-    /// Cells that grow along an axis: iterations are several times as many, but with cells of second
-    /// order in 3D they still cost a half of what elimination does, and a third of aggregation's.
+    /// Cells that grow along an axis: iterations are several times as many, but with cells of
+    /// second order in 3D they still cost a half of what elimination does, and a third of
+    /// aggregation's.
     fn for_growing(case: &Case, mesh: &MeshFacts, unknowns: f64) -> Self {
         let orders = case.mesh.column().map_or(&[][..], |column| &column.orders);
         if mesh.dim == 2 || unknowns < FEWEST_NESTED || orders.iter().all(|order| *order == 1) {
