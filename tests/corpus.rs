@@ -57,7 +57,15 @@ fn meshes_of_gmsh() {
     replay("tests/meshes", 20, |bytes| targets::mesh::gmsh(bytes, &NoMeter));
 }
 
+/// One after the other: MPI starts a process that keeps whatever is open at that moment, and with
+/// it HDF5's locks of files, and when MPI ends it ends HDF5 for the whole process.
 #[test]
+fn files_of_hdf5() {
+    meshes_of_med();
+    changed_files_of_med_are_read_or_refused_in_words();
+    checkpoints();
+}
+
 fn meshes_of_med() {
     let bench = targets::mesh::med::Bench::new();
     replay("tests/fuzz/corpus/med", 20, |recipe| {
@@ -104,7 +112,6 @@ fn change() -> impl Strategy<Value = String> {
 }
 
 /// Changes by chance, beside those that fuzzing found. `PROPTEST_CASES` makes them more.
-#[test]
 fn changed_files_of_med_are_read_or_refused_in_words() {
     let bench = targets::mesh::med::Bench::new();
     let config = ProptestConfig { failure_persistence: None, ..ProptestConfig::default() };
@@ -119,7 +126,6 @@ fn changed_files_of_med_are_read_or_refused_in_words() {
 }
 
 /// The recipe that changes nothing is gone on from; no other one may end in anything but words.
-#[test]
 fn checkpoints() {
     let bench = targets::checkpoint::Bench::new();
     replay("tests/fuzz/corpus/checkpoint", 20, |recipe| {
