@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use column_hpc::results::Directory;
 
+use crate::gaps::half_ellipse;
 use crate::scene::{Kind, Run, Scene};
 
 const YOUNG: f64 = 1.0e9;
@@ -70,6 +71,45 @@ fn a_block_on_an_inclined_plane_of_a_mesh_file_starts_to_slide_at_the_tangent_of
     let at = |part: f64| plane.set(&format!("interfaces.0.law.contact.friction={}", part * limit));
     at(1.0 + 1e-6).on(1);
     slides(&at(1.0 - 1e-6));
+}
+
+/// Cattaneo and Mindlin: where a pushed cylinder slips its shear is that of friction, and where it
+/// sticks what friction has left over is a half ellipse, as the pressure is.
+#[test]
+fn a_pushed_cylinder_sticks_in_the_middle_as_far_as_closed_form_says() {
+    let [young, poisson, half_width, friction] = [7.0e10, 0.3, 0.004, 0.3];
+    let pressure = young / (2.0 * (1.0 - poisson * poisson)) * half_width / 2.0;
+    for ranks in [1, 3] {
+        let run = Scene::shipped("friction/partial_slip.yaml").with_fields().on(ranks);
+        let fields = Directory::open(&run.directory).expect("results");
+        let fields = fields.series("contact").and_then(|series| series.at(2.0)).expect("fields");
+        let points = fields.points().expect("points");
+        let tractions = fields.at_points("traction").expect("tractions");
+        let normals = fields.at_points("normal").expect("normals");
+        let nodes = points.iter().zip(tractions.rows().zip(normals.rows()));
+        // Place, pressure, and what friction has left over.
+        let nodes: Vec<[f64; 3]> = nodes
+            .map(|(x, (t, n))| {
+                let p = -(t[0] * n[0] + t[1] * n[1]);
+                [x[0], p, friction * p - (t[0] * n[1] - t[1] * n[0]).abs()]
+            })
+            .collect();
+        for [x, p, left] in &nodes {
+            assert!(*left > -1e-9 * pressure, "beyond friction at {x}: {left} of {p}");
+            let slips = x.abs() > 0.6 * half_width;
+            assert!(!slips || *left < 1e-9 * pressure, "sticks at {x}: {left} of {p}");
+        }
+        let pressures: Vec<[f64; 2]> = nodes.iter().map(|[x, p, _]| [x * x, *p]).collect();
+        let pressed = pressures.iter().filter(|[_, p]| *p > 0.2 * pressure);
+        let stick: Vec<[f64; 2]> = nodes.iter().map(|[x, _, left]| [x * x, *left]).collect();
+        let inner = stick.iter().filter(|[r2, _]| r2.sqrt() < 0.45 * half_width);
+        let found = [half_ellipse(pressed), half_ellipse(inner)].concat();
+        let exact = [pressure, half_width, friction * pressure / 2.0, half_width / 2.0];
+        println!("{found:?} against {exact:?}");
+        for ((found, exact), tolerance) in found.iter().zip(exact).zip([1e-3, 2e-3, 1e-2, 2e-2]) {
+            assert!((found / exact - 1.0).abs() < tolerance, "{found} against {exact}");
+        }
+    }
 }
 
 /// Pressed, then dragged about under a platen: nodes stick, slide, turn and lift. `law` is that of
