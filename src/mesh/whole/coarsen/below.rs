@@ -29,9 +29,9 @@ struct Element {
     wanted: usize,
 }
 
-/// Joins elements of groups to coarser ones, all of whose parts are in the same groups; of points
-/// those stay that are corners of coarser cells. `number` gives these their new numbers.
-pub fn coarsen(blocks: &[Block], parts: &Parts, number: &[u32]) -> Vec<Block> {
+/// Joins elements of groups to coarser ones, all of whose parts are in the same groups. Their nodes
+/// are those of the finer mesh; points stay.
+pub fn coarsen(blocks: &[Block], parts: &Parts) -> Vec<Block> {
     let edges = parts.edges_of(blocks);
     let mut known: HashMap<(Vec<u32>, u32), usize> = HashMap::new();
     let mut elements: Vec<Element> = Vec::new();
@@ -60,11 +60,11 @@ pub fn coarsen(blocks: &[Block], parts: &Parts, number: &[u32]) -> Vec<Block> {
         let kind = element.kind;
         let empty = || Block { kind, nodes: Vec::new(), numbers: Vec::new(), groups: Vec::new() };
         let block = blocks.entry(kind).or_insert_with(empty);
-        block.nodes.extend(element.corners.iter().map(|node| number[*node as usize]));
+        block.nodes.extend(&element.corners);
         block.numbers.push(element.number);
         block.groups.push(element.set);
     }
-    blocks.into_values().filter(|block| !block.nodes.contains(&NONE)).collect()
+    blocks.into_values().collect()
 }
 
 /// Edges of elements by their ends, rising, with a cell that has them.

@@ -57,24 +57,11 @@ pub fn of_first_order(file: &FileMesh, cells: &Cells) -> Coarser {
         let nodes = elements.flat_map(|element| &element[..kind.nodes()]).copied().collect();
         Block { kind, nodes, numbers: block.numbers.clone(), groups: block.groups.clone() }
     });
-    let below = below.collect();
+    let below: Vec<Block> = below.collect();
     let places = std::array::from_fn(|corner| corner as u8);
     let parents = (0..cells.shapes.len() as u32).map(|cell| Parent { cell, corners: places });
     let parents = parents.collect();
-    renumbered(
-        cells,
-        corners,
-        &is_kept,
-        &named,
-        |number| {
-            let new = |block: Block| {
-                let nodes = block.nodes.iter().map(|node| number[*node as usize]).collect();
-                Block { nodes, ..block }
-            };
-            Vec::into_iter(below).map(new).collect()
-        },
-        parents,
-    )
+    renumbered(cells, corners, &is_kept, &named, below, parents)
 }
 
 /// The next coarser mesh of cells all of which are quadrilaterals or all hexahedra, of first order,
@@ -119,18 +106,18 @@ pub fn coarser(
         }
     }
     let parts = Parts { cells, table, families: &families, place: &place, shape };
-    let below = |number: &[u32]| below::coarsen(&named.below, &parts, number);
+    let below = below::coarsen(&named.below, &parts);
     Some(renumbered(cells, coarse, &is_kept, &named, below, parents))
 }
 
-/// A mesh of cells that are given by nodes of the finer one, of which it keeps some; `below` makes
-/// its other elements of the new numbers of the nodes.
+/// A mesh of cells that are given by nodes of the finer one, of which it keeps some, as are its other
+/// elements, `below`: those without one of their nodes go.
 fn renumbered(
     fine: &Cells,
     mut cells: Cells,
     is_kept: &[bool],
     named: &Named,
-    below: impl FnOnce(&[u32]) -> Vec<Block>,
+    below: Vec<Block>,
     parents: Vec<Parent>,
 ) -> Coarser {
     let mut number = vec![NONE; is_kept.len()];
@@ -141,8 +128,25 @@ fn renumbered(
     cells.nodes.iter_mut().for_each(|node| *node = number[*node as usize]);
     cells.names = (0..cells.points.len() as u32).collect();
     cells.group_sets.clone_from(&fine.group_sets);
-    let file = named.renumbered(below(&number), &number).file(&cells);
+    let below = below.iter().map(|block| kept(block, &number)).collect();
+    let file = named.renumbered(below, &number).file(&cells);
     Coarser { file, cells, parents }
+}
+
+/// The elements all of whose nodes `number` gives a new number. Of cells of second order those that
+/// were in the middle of an edge have none, and points may lie there.
+fn kept(block: &Block, number: &[u32]) -> Block {
+    let mut kept =
+        Block { kind: block.kind, nodes: Vec::new(), numbers: Vec::new(), groups: Vec::new() };
+    for (index, element) in block.nodes.chunks(block.kind.nodes()).enumerate() {
+        let nodes = element.iter().map(|node| number[*node as usize]);
+        if nodes.clone().all(|node| node != NONE) {
+            kept.nodes.extend(nodes);
+            kept.numbers.push(block.numbers[index]);
+            kept.groups.push(block.groups[index]);
+        }
+    }
+    kept
 }
 
 /// For each place of a facet whether cells on both its sides are never joined.

@@ -1,7 +1,8 @@
 //! Coarser meshes that are found in one of a file.
 
 use super::blocks::{
-    X, block, group_cells, group_facets, made, request, request_between, request_on, two,
+    X, add, block, group, group_cells, group_facets, made, request, request_between, request_on,
+    two,
 };
 use super::looks::{check, look, volume};
 use super::refining::{asked, scene};
@@ -108,6 +109,20 @@ fn bodies_are_joined_for_themselves() {
     let file = two(&one, &other, [4.0, 0.0, 0.0]);
     let counts = counts(&file, &request_between("lower", "upper"));
     assert_eq!(counts[counts.len() - 2..], [8 + 6, 64 + 40]);
+}
+
+/// Corners of coarser cells stay in a group of points, however many others it has.
+#[test]
+fn points_beside_the_corners_of_coarser_cells_go() {
+    let mut file = block(Kind::Hex8, [4, 2, 2]);
+    let pins = group(&mut file, "pins", 0);
+    for node in 0..5 {
+        add(&mut file, Kind::Point1, vec![node], Some(pins));
+    }
+    let request = Request { surfaces: vec!["pins".into()], ..request() };
+    let all = meshes(&file, &request);
+    let pins: Vec<usize> = all.iter().map(|mesh| mesh.surfaces[0].nodes.len()).collect();
+    assert_eq!(pins, [2, 3, 5]);
 }
 
 #[test]
