@@ -101,3 +101,32 @@ fn lips_that_are_open_and_pressed_are_not_accepted() {
         assert!(run.column(jump).pop() > Some(1e-4), "{}: not open", run.label);
     }
 }
+
+/// On a path as at given loads: the balance closes to about the tolerance, and what steps are cut
+/// into changes no state of a law that does not depend on the way.
+#[test]
+fn steps_of_a_path_are_as_long_as_their_error_allows() {
+    for case in ["snap_back/column_20m.yaml", "snap_back/ssnp118t.yaml"] {
+        let whole = Scene::shipped(case).on(1);
+        for (tolerance, ranks) in [(1e-2, 1), (1e-3, 3)] {
+            let scene = Scene::shipped(case).in_any_steps();
+            let run = scene.set(&format!("time.tolerance={tolerance}")).on(ranks);
+            run.assert_energy_balance(2.0 * tolerance);
+            for name in ["load_factor", "energy.elastic", "energy.dissipated"] {
+                run.assert_column(name, &whole.column(name), 1e-8, 1e-6);
+            }
+        }
+    }
+    // Bending opens and shears; what the way changes is off by the tolerance.
+    let bent = |tolerance: f64| {
+        let bending = Scene::shipped("notched_beam/mixed_mode_bending.yaml").in_any_steps();
+        bending.set("expect=[]").set(&format!("time.tolerance={tolerance}")).on(1)
+    };
+    let [one, other] = [1e-2, 1e-3].map(|tolerance| {
+        let run = bent(tolerance);
+        run.assert_energy_balance(2.0 * tolerance);
+        run
+    });
+    let apart = one.difference(&other);
+    assert!(apart < 1e-2, "{apart:e}");
+}

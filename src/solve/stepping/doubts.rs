@@ -107,9 +107,6 @@ impl Stepper<'_> {
     /// Collective.
     fn error_of_step(&self, time: f64) -> Option<(f64, String)> {
         let (problem, tolerance) = (&self.problem, self.case.step_tolerance()?);
-        if problem.path.is_some() {
-            return None;
-        }
         let (all, state) = (&problem.all, &problem.interfaces);
         let (mut errors, mut worst) = ([0.0_f64], None);
         for index in 0..state.response.len() {
