@@ -110,8 +110,8 @@ pub fn coarser(
     Some(renumbered(cells, coarse, &is_kept, &named, below, parents))
 }
 
-/// A mesh of cells that are given by nodes of the finer one, of which it keeps some, as are its other
-/// elements, `below`: those without one of their nodes go.
+/// A mesh of cells that are given by nodes of the finer one, of which it keeps some. So are its
+/// other elements, `below`: those without one of their nodes go.
 fn renumbered(
     fine: &Cells,
     mut cells: Cells,
