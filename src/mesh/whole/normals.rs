@@ -126,13 +126,16 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 fn length(vector: [f64; 3]) -> f64 {
-    dot(vector, vector).sqrt()
+    unit(vector).map_or(0.0, |unit| dot(unit, vector))
 }
 
+/// Squares of the components alone would be lost for facets far smaller than any mesh has.
 fn unit(vector: [f64; 3]) -> Option<[f64; 3]> {
-    let length = length(vector);
+    let most = vector.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let scaled = vector.map(|x| x / most);
+    let length = dot(scaled, scaled).sqrt();
     // Zero stays zero, so that a plane's normal has none of the wrong sign.
-    (length > 0.0 && length.is_finite()).then(|| vector.map(|x| x / length + 0.0))
+    (most > 0.0 && length.is_finite()).then(|| scaled.map(|x| x / length + 0.0))
 }
 
 /// The area of some facets together (m2; in 2D their length).
