@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use serde::{Deserialize, Serialize};
 
 use crate::element::{Family, Shape};
+use crate::hash::mix;
 
 /// A cell that stands for all its like: boxes of one size, material and order are identical up to
 /// translation, and share one stiffness; other cells have shape and material in common.
@@ -72,13 +73,28 @@ pub(super) struct Prototypes {
     pub list: Vec<Prototype>,
     classes: HashMap<(usize, Shape, [u64; 3]), Vec<u32>>,
     others: HashMap<(usize, Shape), u32>,
+    /// Boxes of late with their numbers, by a hash of their size: rounding leaves few sizes.
+    recent: Vec<Option<(Prototype, u32)>>,
 }
+
+/// Places for boxes of late.
+const RECENT: usize = 256;
 
 impl Prototypes {
     /// The number of the first prototype that is like `cell`, which becomes one if there is none.
     pub fn number(&mut self, cell: Prototype) -> u32 {
         match cell.geometry {
-            Geometry::Box(size) => self.box_number(cell, size),
+            Geometry::Box(size) => {
+                let hash = size.iter().fold(0, |hash, x| mix(hash ^ x.to_bits()));
+                let place = hash as usize % RECENT;
+                self.recent.resize(RECENT, None);
+                if let Some((_, number)) = self.recent[place].filter(|(known, _)| *known == cell) {
+                    return number;
+                }
+                let number = self.box_number(cell, size);
+                self.recent[place] = Some((cell, number));
+                number
+            }
             Geometry::Points => {
                 let next = self.list.len() as u32;
                 let number = *self.others.entry((cell.material, cell.shape)).or_insert(next);

@@ -112,12 +112,14 @@ impl EnergyProjection {
         if comm.any(starts.iter().any(|s| !s.change.is_empty())) {
             starts.iter_mut().for_each(|s| s.move_cells(all));
         }
+        let force = |(rhs, free): (&f64, &bool)| if *free { *rhs } else { 0.0 };
+        let force: Vec<f64> = rhs.iter().zip(free).map(force).collect();
         let mut products = Vec::with_capacity(n * (n + 3) / 2);
         for (j, b) in starts.iter().enumerate() {
             for a in &starts[..=j] {
                 products.push(a.energy_beyond_the_cells(b, all, interfaces));
             }
-            products.push(b.work(rhs, free));
+            products.push(b.work(&force));
         }
         comm.sum(&mut products);
         let mut next = 0;
@@ -129,8 +131,11 @@ impl EnergyProjection {
             next += 1;
         }
         let Some(weights) = best_weights(n, &products) else { return };
+        add_displacements(&starts, weights.as_slice(), free, guess);
         for (weight, start) in weights.iter().zip(&starts) {
-            start.add_to(*weight, free, guess);
+            for (i, w) in &start.unknown {
+                guess[*i] += weight * (w - start.kept.v[*i]);
+            }
         }
     }
 }
@@ -219,20 +224,30 @@ impl<'a> Start<'a> {
         sum
     }
 
-    /// This rank's part of the work of `rhs`.
-    fn work(&self, rhs: &[f64], free: &[bool]) -> f64 {
-        let value = |i: usize| if free[i] { self.kept.v[i] * rhs[i] } else { 0.0 };
-        let own: f64 = (0..rhs.len()).map(value).sum();
-        let differing = self.unknown.iter().map(|(i, w)| (w - self.kept.v[*i]) * rhs[*i]);
+    /// This rank's part of the work of a force on the unknowns, zero where they are not free.
+    fn work(&self, force: &[f64]) -> f64 {
+        let own = dot(&self.kept.v[..force.len()], force);
+        let differing = self.unknown.iter().map(|(i, w)| (w - self.kept.v[*i]) * force[*i]);
         own + differing.sum::<f64>()
     }
+}
 
-    fn add_to(&self, weight: f64, free: &[bool], guess: &mut [f64]) {
-        for ((guess, v), free) in guess.iter_mut().zip(&self.kept.v).zip(free) {
-            *guess += if *free { weight * v } else { 0.0 };
+/// Numbers that are worked on at once, which the innermost cache holds.
+const TOGETHER: usize = 1024;
+
+/// Adds the weighted sum of kept displacements at free components.
+fn add_displacements(starts: &[Start<'_>], weights: &[f64], free: &[bool], guess: &mut [f64]) {
+    let mut sums = [0.0; TOGETHER];
+    let parts = guess.chunks_mut(TOGETHER).zip(free.chunks(TOGETHER)).enumerate();
+    for (part, (guess, free)) in parts {
+        let sums = &mut sums[..guess.len()];
+        sums.fill(0.0);
+        for (weight, start) in weights.iter().zip(starts) {
+            let v = &start.kept.v[part * TOGETHER..][..guess.len()];
+            sums.iter_mut().zip(v).for_each(|(sum, v)| *sum += weight * v);
         }
-        for (i, w) in &self.unknown {
-            guess[*i] += weight * (w - self.kept.v[*i]);
+        for ((guess, sum), free) in guess.iter_mut().zip(sums).zip(free) {
+            *guess += if *free { *sum } else { 0.0 };
         }
     }
 }

@@ -68,10 +68,10 @@ impl RigidMotions {
         self.add_jumps(all, interfaces, stiffness, energies);
         let dim = all.dim;
         for (node, (rhs, free)) in rhs.chunks_exact(dim).zip(free.chunks_exact(dim)).enumerate() {
-            let (first, values) = self.at(all, node);
-            for (work, r) in work[first..][..motions].iter_mut().zip(values) {
-                *work += (0..dim).filter(|c| free[*c]).map(|c| r[c] * rhs[c]).sum::<f64>();
-            }
+            let mut force = [0.0; 3];
+            (0..dim).filter(|c| free[*c]).for_each(|c| force[c] = rhs[c]);
+            let work = &mut work[self.first(all, node)..][..motions];
+            self.add_work(all, node, force, work);
         }
         comm.sum(&mut sums);
         let mut energy = DMatrix::from_row_slice(size, size, &sums[..size * size]);
@@ -84,9 +84,10 @@ impl RigidMotions {
         let weights = least_energy(&energy, &work)?;
         let mut motion = vec![0.0; rhs.len()];
         for (node, u) in motion.chunks_exact_mut(dim).enumerate() {
-            let (first, values) = self.at(all, node);
+            let weights = &weights.as_slice()[self.first(all, node)..][..motions];
+            let moved = self.unknowns(all, node, weights);
             for c in (0..dim).filter(|c| !all.prescribed[node][*c]) {
-                u[c] = (0..motions).map(|m| weights[first + m] * values[m][c]).sum();
+                u[c] = moved[c];
             }
         }
         Some(motion)
@@ -108,31 +109,52 @@ impl RigidMotions {
 
     /// The first motion of the group of a node, and the node's unknowns in all of them.
     fn at(&self, all: &Discretization, node: usize) -> (usize, [[f64; 3]; 6]) {
-        let (body, motions) = (all.nodes.marks[node].body as usize, motions(all.dim));
         let mut values = [[0.0; 3]; 6];
-        for (u, motion) in values.iter_mut().zip(motions) {
-            *u = all.frames.unknowns(node as u32, |node| self.moved(all, node, motion));
+        for (u, motion) in values.iter_mut().zip(motions(all.dim)) {
+            *u = all.frames.unknowns(node as u32, |node| {
+                let mut moved = [0.0; 3];
+                motion.add(self.levers(all, node), 1.0, &mut moved);
+                moved
+            });
         }
-        (self.groups[body] * motions.len(), values)
+        (self.first(all, node), values)
     }
 
-    /// The displacement of a node in a motion.
-    fn moved(&self, all: &Discretization, node: u32, motion: &Motion) -> [f64; 3] {
-        let (point, axes) = (all.nodes.points[node as usize], self.axes);
-        let mut u = [0.0; 3];
-        match *motion {
-            Motion::Along(c) => u[c] = 1.0,
-            Motion::About(a, b) => {
-                u[a] = -self.lever(point, axes[b]);
-                u[b] = self.lever(point, axes[a]);
+    /// The first motion of the group of a node.
+    fn first(&self, all: &Discretization, node: usize) -> usize {
+        self.groups[all.nodes.marks[node].body as usize] * motions(all.dim).len()
+    }
+
+    /// Adds the work of a force on the unknowns of a node in every motion of its group.
+    fn add_work(&self, all: &Discretization, node: usize, force: [f64; 3], work: &mut [f64]) {
+        all.frames.spread(node as u32, force, |node, force| {
+            let levers = self.levers(all, node);
+            for (work, motion) in work.iter_mut().zip(motions(all.dim)) {
+                *work += motion.work(levers, force);
             }
-        }
-        u
+        });
     }
 
-    /// Distance from the middle of the mesh along an axis, over its extent along the last one.
-    fn lever(&self, point: [f64; 3], axis: usize) -> f64 {
-        (point[axis] - 0.5 * self.size[axis]) / self.size[self.axes[self.axes.len() - 1]]
+    /// The unknowns of a node in the weighted sum of the motions of its group.
+    fn unknowns(&self, all: &Discretization, node: usize, weights: &[f64]) -> [f64; 3] {
+        all.frames.unknowns(node as u32, |node| {
+            let (levers, mut moved) = (self.levers(all, node), [0.0; 3]);
+            for (weight, motion) in weights.iter().zip(motions(all.dim)) {
+                motion.add(levers, *weight, &mut moved);
+            }
+            moved
+        })
+    }
+
+    /// By component, the distance of a node from the middle of the mesh along its axis, over the
+    /// extent along the last one.
+    fn levers(&self, all: &Discretization, node: u32) -> [f64; 3] {
+        let (point, size) = (all.nodes.points[node as usize], self.size);
+        let (mut levers, last) = ([0.0; 3], size[self.axes[self.axes.len() - 1]]);
+        for (lever, axis) in levers.iter_mut().zip(self.axes) {
+            *lever = (point[*axis] - 0.5 * size[*axis]) / last;
+        }
+        levers
     }
 
     /// Works out the energies of the bulk: only cells with prescribed displacements have any.
@@ -215,6 +237,27 @@ enum Motion {
     Along(usize),
     /// Rotation from the first component to the second.
     About(usize, usize),
+}
+
+impl Motion {
+    /// Adds the displacement at a place with these levers, times a weight.
+    fn add(&self, levers: [f64; 3], weight: f64, u: &mut [f64; 3]) {
+        match *self {
+            Motion::Along(c) => u[c] += weight,
+            Motion::About(a, b) => {
+                u[a] -= weight * levers[b];
+                u[b] += weight * levers[a];
+            }
+        }
+    }
+
+    /// The work of a force at a place with these levers.
+    fn work(&self, levers: [f64; 3], force: [f64; 3]) -> f64 {
+        match *self {
+            Motion::Along(c) => force[c],
+            Motion::About(a, b) => levers[a] * force[b] - levers[b] * force[a],
+        }
+    }
 }
 
 fn motions(dim: usize) -> &'static [Motion] {

@@ -29,10 +29,13 @@ impl Problem<'_> {
         nodes.add_to_owners(force, dim);
         nodes.add_to_owners(&mut magnitude, 1);
         // Loads count too: they may leave the bulk without any force of its own.
-        let load = self.applied();
-        for (magnitude, load) in magnitude.iter_mut().zip(load.chunks_exact(dim)) {
-            let length = load.iter().map(|l| l * l).sum::<f64>().sqrt();
-            *magnitude = magnitude.max(length);
+        let is_loaded = self.load.iter().chain(&self.pore_force).any(|force| *force != 0.0);
+        if self.comm.any(is_loaded) {
+            let load = self.applied();
+            for (magnitude, load) in magnitude.iter_mut().zip(load.chunks_exact(dim)) {
+                let length = load.iter().map(|l| l * l).sum::<f64>().sqrt();
+                *magnitude = magnitude.max(length);
+            }
         }
         // Stresses at the start too, whose forces cancel at the nodes.
         if let Some(stress) = &self.initial_stress {
@@ -99,17 +102,19 @@ impl Problem<'_> {
             response.law_traction[c] + known
         };
         all.add_tractions(traction, &mut self.balance);
-        for (i, value) in f.iter_mut().enumerate() {
-            self.balance[i] += self.bulk_force[i];
-            *value = self.balance[i] - known_force[i];
+        let forces = self.balance.iter_mut().zip(&self.bulk_force).zip(&known_force);
+        for (value, ((balance, bulk), known)) in f.iter_mut().zip(forces) {
+            *balance += bulk;
+            *value = *balance - known;
         }
         condensed::fold(self.comm, &self.all, &self.interfaces, f);
         self.see_platens(|_, i| f[i]);
         let (all, dim) = (&self.all, self.all.dim);
         // Identity rows: nothing to do where prescribed, the known jump where stuck.
-        for node in 0..all.nodes.owned {
-            for c in (0..dim).filter(|c| all.prescribed[node][*c]) {
-                f[node * dim + c] = 0.0;
+        for (f, prescribed) in f.chunks_exact_mut(dim).zip(&all.prescribed) {
+            if *prescribed != [false; 3] {
+                let of_node = f.iter_mut().zip(prescribed).filter(|(_, prescribed)| **prescribed);
+                of_node.for_each(|(f, _)| *f = 0.0);
             }
         }
         for (rows, response) in all.secondary.iter().zip(&self.interfaces.response) {
