@@ -5,7 +5,6 @@ use std::collections::HashMap;
 use serde::{Deserialize, Serialize};
 
 use crate::element::{Family, Shape};
-use crate::hash::mix;
 
 /// A cell that stands for all its like: boxes of one size, material and order are identical up to
 /// translation, and share one stiffness; other cells have shape and material in common.
@@ -77,7 +76,7 @@ pub(super) struct Prototypes {
     recent: Vec<Option<(Prototype, u32)>>,
 }
 
-/// Places for boxes of late.
+/// Places for boxes of late, as many as eight bits tell apart.
 const RECENT: usize = 256;
 
 impl Prototypes {
@@ -85,8 +84,10 @@ impl Prototypes {
     pub fn number(&mut self, cell: Prototype) -> u32 {
         match cell.geometry {
             Geometry::Box(size) => {
-                let hash = size.iter().fold(0, |hash, x| mix(hash ^ x.to_bits()));
-                let place = hash as usize % RECENT;
+                // An odd number by which products stir the upper bits.
+                let stir =
+                    |hash: u64, x: &f64| (hash ^ x.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+                let place = (size.iter().fold(0, stir) >> 56) as usize;
                 self.recent.resize(RECENT, None);
                 if let Some((_, number)) = self.recent[place].filter(|(known, _)| *known == cell) {
                     return number;
