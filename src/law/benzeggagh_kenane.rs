@@ -250,6 +250,12 @@ impl InterfaceLaw for BenzeggaghKenane {
         Some(damage * self.critical())
     }
 
+    /// None of a point that still holds as if nothing had moved.
+    fn broken_part(&self, history: f64) -> f64 {
+        let holds = history < SMALLEST_JUMP * self.critical();
+        if holds { 0.0 } else { self.damage(history) }
+    }
+
     fn part_of_reach(&self, jump: Local, history: f64) -> Option<f64> {
         let (potential, critical) = (self.potential(), self.critical());
         if history >= critical {

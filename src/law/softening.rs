@@ -147,6 +147,12 @@ impl<E: Envelope> InterfaceLaw for E {
         })
     }
 
+    /// None of a point that still holds as if nothing had moved.
+    fn broken_part(&self, history: f64) -> f64 {
+        let holds = history < SMALLEST_JUMP * self.critical_jump();
+        if holds { 0.0 } else { self.damage(history) }
+    }
+
     fn part_of_reach(&self, jump: Local, history: f64) -> Option<f64> {
         let critical = self.critical_jump();
         if history >= critical {

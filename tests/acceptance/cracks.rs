@@ -88,6 +88,74 @@ fn a_damage_at_the_start_is_as_good_as_one_from_loading() {
     }
 }
 
+/// What a formula leaves of a damage where it comes to nothing, by rounding or along a tail, is
+/// none: the joint is the sound one there, with friction and without.
+#[test]
+fn a_trace_of_damage_at_the_start_is_none() {
+    for law in [
+        "{linear_softening: {strength: 1.0e6, fracture_energy: 1000, friction: MU}}",
+        "{exponential_softening: {strength: 1.0e6, fracture_energy: 1000, friction: MU}}",
+        "{bilinear: {strength: 1.0e6, fracture_energy: 1000, stiffness: 1.0e10, friction: MU}}",
+        "{benzeggagh_kenane: {strength: 1.0e6, shear_strength: 1.5e6, fracture_energy: 1000, \
+         shear_fracture_energy: 1500, exponent: 2, friction: MU}}",
+    ] {
+        for friction in ["0", "0.4"] {
+            let law = law.replace("MU", friction);
+            let run = |trace: &str| {
+                let damage = format!("0.4*(x < 0.5) + {trace}*(x > 0.5)");
+                let initial = format!(", initial: {{damage: {{formula: \"{damage}\"}}}}");
+                column(&law, &initial, &[]).in_any_steps().on(1)
+            };
+            let sound = run("0");
+            for trace in ["1e-300", "1e-20", "1e-13", "1e-11", "1e-9", "5e-7"] {
+                sound.assert_same(&run(trace), 1e-9);
+            }
+        }
+    }
+}
+
+/// Pressed hard and dragged, then pressed less in softer ground: where the damage is a trace, what
+/// friction cannot hold slides.
+#[test]
+fn a_trace_of_damage_lets_no_more_shear_pass_than_the_strength() {
+    let yaml = "
+mesh: {column: {size: [1.4, 2.9], bodies: [{cells: [3, 1]}, {cells: [3, 2]}]}}
+materials:
+  low: {z: [0, 1], elastic: {young_modulus: 1.8e9, poisson_ratio: 0.3}}
+  high: {z: [1, 2.9], elastic: {young_modulus: 1.3e9, poisson_ratio: 0.3}}
+interfaces:
+  - name: joint
+    z: 1
+    secondary: upper
+    law:
+      benzeggagh_kenane: {strength: 3.5e5, shear_strength: 4.8e5, fracture_energy: 490,
+                          shear_fracture_energy: 1460, exponent: 2.4, friction: 0.43}
+    initial:
+      damage:
+        formula: \"TRACE + (x < 0.1) + 0.8*(x > 0.1)*(x < 0.6) + 0.4*(x > 0.6)*(x < 1.2)\"
+boundary:
+  - {on: bottom, displacement: {x: 0, z: 0}}
+  - on: top
+    displacement: {x: {table: [[0, 0], [1, 3.8e-4], [2, 1.9e-3], [3, 1.75e-3]]}}
+    traction: {z: {table: [[0, 0], [1, -1.0e6], [2, -6.2e5], [3, -1.1e6]]}}
+  - {on: left, traction: {x: {table: [[0, 0], [1, 3.0e5]]}}}
+  - {on: right, traction: {x: {table: [[0, 0], [1, -3.0e5]]}}}
+stages:
+  - {until: 1}
+  - until: 3
+    materials: {low: {elastic: {young_modulus: 4.3e9}}}
+    boundary: [{on: right, traction: {x: -1.4e5, z: -1.3e4}}]
+time: {instants: [1, 2, 3]}
+solver: {stability: \"off\"}
+";
+    let run = |trace: &str| {
+        let trace = format!("{trace}*(x > 1.2)");
+        Scene::new("trace", &yaml.replace("TRACE", &trace)).in_any_steps().on(1)
+    };
+    let sound = run("0");
+    ["1e-20", "1e-14", "1e-8"].into_iter().for_each(|trace| sound.assert_same(&run(trace), 1e-9));
+}
+
 /// A crack up to x = 0.5 in blocks from a file that are those of a box, of either side, on any
 /// ranks, from a restart: the same history.
 #[test]

@@ -1,6 +1,7 @@
 //! Friction: when blocks start to slide, and the same answer from every form, solver and rank.
 
 use std::f64::consts::PI;
+use std::path::Path;
 
 use column_hpc::results::Directory;
 
@@ -340,5 +341,43 @@ solver: {{stability: \"off\"}}
         assert!(one.column("energy.friction").is_sorted());
         assert_same(&one, &path.set("solver.linear=aggregation").on(3), 1e-7);
         assert_same(&one, &path.stopped(2, "history:1:term:1", 1), 1e-8);
+    }
+}
+
+/// A joint at 35 degrees under uniaxial compression carries strength (1 - D)/(cos (sin - D mu cos))
+/// along a path, and locks at D = tan/mu, where the path ends and says why.
+#[test]
+fn a_leaning_joint_that_locks_ends_its_path_and_says_so() {
+    let mesh =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/inclined_joint/inclined_joint.msh");
+    let scene = |friction: f64, instants: usize| {
+        let yaml = format!(
+            "
+mesh: {{file: \"{}\"}}
+materials: {{rock: {{elastic: {{young_modulus: 5.8e9, poisson_ratio: 0.3}}}}}}
+interfaces:
+  - name: joint
+    on: joint
+    law: {{linear_softening: {{strength: 1.0e6, fracture_energy: 900, friction: {friction}}}}}
+boundary:
+  - {{on: foot, displacement: {{y: 0}}}}
+  - {{on: corner, displacement: {{x: 0}}}}
+  - {{on: head, traction: {{y: -1.0e6}}}}
+control: {{dissipation: {{of: joint, step: {}}}}}
+time: {{instants: [1]}}
+",
+            mesh.display(),
+            1.0 / instants as f64
+        );
+        Scene::new("leaning", &yaml)
+    };
+    for (friction, instants) in [(1.0, 10), (2.0, 20)] {
+        let Err(failure) = scene(friction, instants).attempt(1) else { panic!("it goes on") };
+        assert_eq!(failure.status, Some(3), "{}", failure.complaint);
+        let locks = 35.0_f64.to_radians().tan() / friction;
+        let last = (locks * instants as f64).floor() / instants as f64;
+        for word in ["interface locks before it is broken", &format!("up to time {last}")] {
+            assert!(failure.complaint.contains(word), "{word}: {}", failure.complaint);
+        }
     }
 }

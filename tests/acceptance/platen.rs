@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::blocks::{Block, Blocks, even};
 use crate::scene::{Run, Scene};
 
 /// A block of 0.8 m x 0.6 m x 2 m (2D: 0.8 m x 2 m) of E = 1 GPa and nu = 0 that stands on its
@@ -246,4 +247,58 @@ fn a_platen_that_may_turn_follows_the_tilting_state() {
     // The moments are rounding alone, on any number of ranks.
     let [one, two] = [run, scene.on(2)].map(|run| run.column("top.rotation_y")[1]);
     assert!((one - two).abs() < 1e-7 * one.abs(), "{one:e} {two:e}");
+}
+
+/// A path ends alike on a box and on its mesh from a file where the joint has ruptured and nothing
+/// else holds the body of a platen that is free: status 3, which names joint and body; rows before
+/// stay.
+#[test]
+fn a_path_ends_where_nothing_else_holds_the_body_of_a_platen() {
+    let mut blocks = Blocks::default();
+    for (number, [name, below, above]) in
+        [["low", "bottom", "face"], ["high", "lip", "top"]].into_iter().enumerate()
+    {
+        let planes = vec![even(2, 1.0), even(2, 1.0)];
+        let place = |x: [f64; 3]| [x[0], x[1] + number as f64, 0.0];
+        let sides = [(1, false, below), (1, true, above)];
+        blocks.add(&Block { name, planes: &planes, order: 1, place: &place, sides: &sides });
+    }
+    let rest = |mesh: &str, on: &str, joint: &str, platen: &str, up: &str| {
+        format!(
+            "
+mesh: {mesh}
+materials: {{rock: {{{on}elastic: {{young_modulus: 1.0e9, poisson_ratio: 0.2}}}}}}
+interfaces:
+  - name: joint
+    {joint}
+    law: {{linear_softening: {{strength: 1.0e6, fracture_energy: 5000, friction: 0.2}}}}
+boundary:
+  - {{on: bottom, displacement: {{x: 0, {up}: 0}}}}
+  - {{on: top, rigid: {{{platen}}}}}
+control: {{dissipation: {{of: joint, step: 0.25}}}}
+time: {{instants: [1]}}
+"
+        )
+    };
+    let mesh = format!("{{file: \"{}\"}}", blocks.write());
+    for (platen, motion) in [
+        ("UP: free, x: fixed, force: {UP: 1.0e6}", "translation along UP"),
+        ("UP: free, x: free, rotation: free, force: {UP: 1.0e6}", "translation along x"),
+        ("UP: free, x: free, force: {UP: 1.0e6, x: 5.0e5}", "translation along x"),
+    ] {
+        for (mesh, on, joint, up) in [
+            ("{column: {size: [1, 2], cells: [2, 4]}}", "", "z: 1", "z"),
+            (&mesh, "on: [low, high], ", "between: [face, lip]", "y"),
+        ] {
+            let [platen, motion] = [platen, motion].map(|text| text.replace("UP", up));
+            let scene = Scene::new("path", &rest(mesh, on, joint, &platen, up));
+            for ranks in [1, 2] {
+                let Err(failure) = scene.attempt(ranks) else { panic!("{platen}: it goes on") };
+                assert_eq!(failure.status, Some(3), "{}", failure.complaint);
+                for word in ["joint has ruptured over its whole area: body 2", &motion] {
+                    assert!(failure.complaint.contains(word), "{word}: {}", failure.complaint);
+                }
+            }
+        }
+    }
 }

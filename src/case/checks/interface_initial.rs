@@ -6,6 +6,10 @@ use crate::case::{InterfaceSpec, LawSpec};
 use crate::error::{Error, Result, number_text};
 use crate::input::Value;
 
+/// Damage at the start below this is none: what rounding leaves of a formula. Its secant would be
+/// so steep that the rounding of jumps keeps forces from their balance.
+const LEAST_DAMAGE: f64 = 1e-6;
+
 /// The state of a node of an interface at the start.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct NodeStart {
@@ -49,6 +53,7 @@ impl InterfaceSpec {
         if !(aperture.is_finite() && aperture >= 0.0) {
             return wrong("aperture", aperture, "it must be at least 0 on the whole interface");
         }
+        let damage = if damage < LEAST_DAMAGE { 0.0 } else { damage };
         Ok(NodeStart { damage, gap, aperture })
     }
 

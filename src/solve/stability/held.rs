@@ -8,6 +8,7 @@ use crate::comm::Comm;
 use crate::law::Branch;
 use crate::mesh::MeshFacts;
 use crate::solve::model::interfaces::{InterfaceState, NodeResponse};
+use crate::solve::{PlatenSystem, Problem};
 
 /// A motion is free where what resists it is less than this part of what would if everything held.
 const FREE: f64 = 1e-12;
@@ -49,20 +50,16 @@ fn motion(number: usize, point: [f64; 3], centre: [f64; 3]) -> [f64; 3] {
 
 /// The motions that nothing holds in the state that was evaluated last, a sentence for each body:
 /// neither prescribed displacements, nor the points of interfaces at which any cohesion is left;
-/// points in contact hold the normal displacement. Collective.
-pub fn free_motions(
-    comm: &Comm,
-    case: &Case,
-    mesh: &MeshFacts,
-    all: &Discretization,
-    interfaces: &InterfaceState,
-) -> Vec<String> {
-    let bodies = Bodies::new(comm, mesh, all, interfaces);
-    let (width, size) = (bodies.motions.len(), bodies.size());
-    let Resistance { held, full } = bodies.resistance(comm, interfaces);
+/// points in contact hold the normal displacement, and platens that may move go along. Collective.
+pub fn free_motions(problem: &Problem<'_>, case: &Case) -> Vec<String> {
+    let (comm, mesh) = (problem.comm, &problem.mesh);
+    let bodies = Bodies::new(problem);
+    let (width, size) = (bodies.motions.len(), bodies.motions.len() * mesh.bodies);
+    let Resistance { held, full } = bodies.resistance(comm, &problem.interfaces);
+    let whole = full.len();
     let scale = |i: usize| if full[i] > 0.0 { full[i].sqrt().recip() } else { 0.0 };
-    let held = DMatrix::from_fn(size, size, |i, j| scale(i) * held[i * size + j] * scale(j));
-    let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(held);
+    let held = DMatrix::from_fn(whole, whole, |i, j| scale(i) * held[i * whole + j] * scale(j));
+    let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(of_bodies(&held, size));
     let free: Vec<usize> = (0..size).filter(|i| eigenvalues[*i] <= FREE).collect();
     let mut sentences: Vec<String> = Vec::new();
     for body in 0..mesh.bodies {
@@ -91,6 +88,24 @@ pub fn free_motions(
         ));
     }
     sentences
+}
+
+/// What resists the first `size` motions, those of bodies, where the others, those of platens, go
+/// along as far as they can.
+fn of_bodies(held: &DMatrix<f64>, size: usize) -> DMatrix<f64> {
+    let count = held.nrows() - size;
+    let own = held.view((0, 0), (size, size)).into_owned();
+    if count == 0 {
+        return own;
+    }
+    let SymmetricEigen { eigenvectors, eigenvalues } =
+        SymmetricEigen::new(held.view((size, size), (count, count)).into_owned());
+    let across = held.view((0, size), (size, count)) * eigenvectors;
+    let kept = (0..count).filter(|k| eigenvalues[*k] > FREE);
+    kept.fold(own, |own, k| {
+        let column = across.column(k);
+        own - column * column.transpose() / eigenvalues[k]
+    })
 }
 
 /// A motion that bodies can only make together, in words: by the one that it moves most.
@@ -129,11 +144,13 @@ struct Bodies<'a> {
     motions: &'static [usize],
     /// Rotations are about the middle of the points of each body that hold it.
     centres: Vec<[f64; 3]>,
+    /// The owned unknowns of each motion of a platen that is free.
+    platens: Vec<Vec<f64>>,
 }
 
 /// What resists the motions of all bodies.
 struct Resistance {
-    /// A matrix over the motions.
+    /// A matrix over the motions, those of platens last.
     held: Vec<f64>,
     /// What its diagonal would be if everything held.
     full: Vec<f64>,
@@ -154,18 +171,19 @@ impl Resistance {
 
 impl<'a> Bodies<'a> {
     /// With the points that hold at the state that was evaluated last. Collective.
-    fn new(
-        comm: &Comm,
-        mesh: &'a MeshFacts,
-        all: &'a Discretization,
-        interfaces: &InterfaceState,
-    ) -> Self {
+    fn new(problem: &'a Problem<'_>) -> Self {
+        let (mesh, all, interfaces) = (&problem.mesh, &*problem.all, &problem.interfaces);
         let motions = match mesh.axes {
             [0, 1] => &[0, 1, 5][..],
             [0, 2] => &[0, 2, 4],
             _ => &[0, 1, 2, 3, 4, 5],
         };
-        let mut bodies = Self { mesh, all, motions, centres: Vec::new() };
+        let unknowns = all.nodes.owned * all.dim;
+        let platens =
+            problem.platens.as_ref().map_or_else(Vec::new, |PlatenSystem { platens, .. }| {
+                platens.free.iter().map(|k| platens.column(*k, unknowns)).collect()
+            });
+        let mut bodies = Self { mesh, all, motions, centres: Vec::new(), platens };
         let mut middle = vec![0.0; 4 * mesh.bodies];
         let mut count = |node: usize| {
             let (point, body) = bodies.place(node);
@@ -179,7 +197,7 @@ impl<'a> Bodies<'a> {
                 rows.nodes().into_iter().for_each(|node| count(node as usize));
             }
         }
-        comm.sum(&mut middle);
+        problem.comm.sum(&mut middle);
         let centre = |sums: &[f64]| -> [f64; 3] {
             let alone = |i: usize| 0.5 * mesh.size[i];
             std::array::from_fn(|i| if sums[3] > 0.0 { sums[i] / sums[3] } else { alone(i) })
@@ -188,9 +206,9 @@ impl<'a> Bodies<'a> {
         bodies
     }
 
-    /// Motions of all bodies.
+    /// Motions of all bodies, then those of platens that are free.
     fn size(&self) -> usize {
-        self.motions.len() * self.mesh.bodies
+        self.motions.len() * self.mesh.bodies + self.platens.len()
     }
 
     /// Position (m) and body of a local node.
@@ -228,7 +246,11 @@ impl<'a> Bodies<'a> {
         let mut sums = Resistance { held: vec![0.0; size * size], full: vec![0.0; size] };
         for node in self.prescribed() {
             for c in (0..dim).filter(|c| all.prescribed[node][*c]) {
-                sums.see(&self.row([((node * dim + c) as u32, 1.0)].into_iter()), true);
+                let unknown = node * dim + c;
+                let mut row = self.row([(unknown as u32, 1.0)].into_iter());
+                let of_platens = row[size - self.platens.len()..].iter_mut();
+                of_platens.zip(&self.platens).for_each(|(q, platen)| *q = -platen[unknown]);
+                sums.see(&row, true);
             }
         }
         for (rows, response) in all.secondary.iter().zip(&interfaces.response) {

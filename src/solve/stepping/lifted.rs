@@ -31,7 +31,7 @@ impl Stepper<'_> {
         if names.is_empty() {
             return None;
         }
-        let free = held::free_motions(problem.comm, self.case, &problem.mesh, all, state);
+        let free = held::free_motions(problem, self.case);
         let (opens, them) = if names.len() == 1 { ("opens", "it") } else { ("open", "them") };
         (!free.is_empty()).then(|| {
             format!(

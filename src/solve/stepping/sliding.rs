@@ -28,8 +28,7 @@ impl Stepper<'_> {
         if names.is_empty() {
             return None;
         }
-        let (all, state) = (&problem.all, &problem.interfaces);
-        let free = held::free_motions(problem.comm, self.case, &problem.mesh, all, state);
+        let free = held::free_motions(problem, self.case);
         let (slide, their) = if names.len() == 1 { ("slides", "its") } else { ("slide", "their") };
         (!free.is_empty()).then(|| {
             format!(

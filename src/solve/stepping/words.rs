@@ -29,6 +29,9 @@ impl Stepper<'_> {
                 self.case.interfaces[*interface].name
             );
         }
+        if let Some(words) = self.locked_interface() {
+            return format!("\n{words}");
+        }
         let softens = |law: &dyn InterfaceLaw| law.strength().is_some();
         let of_cohesive = self.case.interfaces.iter().zip(&gave_way);
         let gone: Vec<&InterfaceSpec> = of_cohesive
@@ -69,6 +72,29 @@ impl Stepper<'_> {
         )
     }
 
+    /// That friction may lock the interface whose dissipation is followed, in words. Collective.
+    fn locked_interface(&self) -> Option<String> {
+        let Some(Control { kind: ControlKind::Dissipation(_), interface }) = &self.case.control
+        else {
+            return None;
+        };
+        let (problem, interface) = (&self.problem, *interface);
+        let spec = &self.case.interfaces[interface];
+        let mut nodes = problem.all.secondary.iter().zip(&problem.interfaces.response);
+        let rubs = nodes.any(|(rows, response)| {
+            let damage = spec.law.law().damage(response.history);
+            rows.interface == interface && response.branch.is_closed() && damage > 0.0
+        });
+        (problem.comm.any(rubs) && !spec.law.law().friction().is_none()).then(|| {
+            format!(
+                "lips of interface {} are closed, and their friction grows with the damage: where it \
+                 holds all that the loads bring, the interface locks before it is broken, and the path \
+                 ends",
+                spec.name
+            )
+        })
+    }
+
     /// That the interfaces that broke leave a body to itself, in words, if they do. Collective.
     pub(super) fn freed_bodies(&self, time: f64) -> Option<String> {
         if let Some(words) = self.sliding_bodies() {
@@ -91,31 +117,32 @@ impl Stepper<'_> {
         problem.comm.max(&mut seen);
         let is = |kind: usize, interface: usize| seen[kind * count + interface] > 0.0;
         let holds: Vec<bool> = (0..count).map(|i| is(0, i) || !is(2, i)).collect();
-        if holds.iter().all(|holds| *holds) {
-            return self.loose_bodies(time);
-        }
         let presses: Vec<bool> = (0..count).map(|i| is(1, i)).collect();
-        let free = self.case.free_motions(&holds, &presses);
         let gone: Vec<usize> = (0..count).filter(|i| !holds[*i] && !presses[*i]).collect();
-        if free.is_empty() || gone.is_empty() {
-            return self.loose_bodies(time);
+        let free = match gone[..] {
+            [] => Vec::new(),
+            _ => self.case.free_motions(&holds, &presses),
+        };
+        if free.is_empty() {
+            return self.loose_bodies(time, &gone);
         }
+        Some(format!("at time {time} {}: {}", self.broken(&gone), free.join("; ")))
+    }
+
+    /// That interfaces broke as a whole, in words.
+    fn broken(&self, gone: &[usize]) -> String {
         let interfaces = gone.iter().map(|i| &self.case.interfaces[*i]);
         let names: Vec<&str> =
             interfaces.clone().map(|interface| interface.name.as_str()).collect();
         let (have, their) = if names.len() == 1 { ("has", "its") } else { ("have", "their") };
         let is_cohesive = interfaces.clone().all(|i| i.law.law().strength().is_some());
         let broke = if is_cohesive { "ruptured" } else { "opened" };
-        Some(format!(
-            "at time {time} {} {have} {broke} over {their} whole area: {}",
-            in_words(&names),
-            free.join("; ")
-        ))
+        format!("{} {have} {broke} over {their} whole area", in_words(&names))
     }
 
-    /// That what is left of interfaces that broke in part does not hold a body, in words, if so.
-    /// Collective.
-    fn loose_bodies(&self, time: f64) -> Option<String> {
+    /// That what is left of interfaces that broke in part, or as a whole where they are `gone`,
+    /// does not hold a body, in words, if so. Collective.
+    fn loose_bodies(&self, time: f64, gone: &[usize]) -> Option<String> {
         let problem = &self.problem;
         let (all, state) = (&problem.all, &problem.interfaces);
         let mut nodes = all.secondary.iter().zip(&state.response);
@@ -123,11 +150,15 @@ impl Stepper<'_> {
         if !problem.comm.any(separated) {
             return None;
         }
-        let free = held::free_motions(problem.comm, self.case, &problem.mesh, all, state);
+        let free = held::free_motions(problem, self.case);
+        let what = match gone {
+            [] => "what is left of the interfaces does not hold".to_owned(),
+            _ => self.broken(gone),
+        };
         (!free.is_empty()).then(|| {
             format!(
-                "at time {time} what is left of the interfaces does not hold: {}; prescribe \
-                 displacements that prevent it, or choose a law that holds",
+                "at time {time} {what}: {}; prescribe displacements that prevent it, or choose a law \
+                 that holds",
                 free.join("; ")
             )
         })
