@@ -130,3 +130,34 @@ fn steps_of_a_path_are_as_long_as_their_error_allows() {
     let apart = one.difference(&other);
     assert!(apart < 1e-2, "{apart:e}");
 }
+
+/// A softening joint sheared far past its strength in saturated rock: iterations that break down
+/// shorten the step or end the run in words. No solver of displacements alone takes both fields.
+#[test]
+fn iterations_that_break_down_are_left_in_words() {
+    let yaml = "
+mesh: {column: {size: [0.95, 1.15, 1.66], bodies: [{cells: [2, 2, 1]}, {cells: [2, 2, 1]}]}}
+materials:
+  rock:
+    elastic: {young_modulus: 5.0e9, poisson_ratio: 0.3}
+    porous:
+      {biot: 0.8, porosity: 0.2, permeability: 3.0e-14, viscosity: 1.0e-3,
+       fluid_compressibility: 5.0e-10, fluid_density: 1000.0, density: 2900.0}
+interfaces:
+  - {name: joint, z: 0.65, law: {exponential_softening: {strength: 9.0e5, fracture_energy: 1100}}}
+boundary:
+  - {on: bottom, displacement: {x: 0, y: 0, z: 0}}
+  - on: top
+    displacement: {x: {table: [[0, 0], [100, 4.6e-3]]}, y: 0}
+    traction: {z: {table: [[0, 0], [100, -2.2e6]]}}
+    pressure: 0
+time: {instants: [100]}
+";
+    for linear in ["aggregation", "gamg"] {
+        let scene = Scene::new("sheared", yaml).in_any_steps();
+        let outcome = scene.set(&format!("solver.linear={linear}")).attempt(1);
+        if let Err(failure) = outcome {
+            assert_eq!(failure.status, Some(3), "{linear}: {}", failure.complaint);
+        }
+    }
+}

@@ -45,7 +45,7 @@ impl Stepper<'_> {
         let platens = self.problem.platens.as_ref().is_some_and(|of| of.is_unsolved);
         let unsolved = on_path || platens;
         let unknowns = self.problem.all.nodes.total * self.problem.all.dim as u64;
-        // The system of two fields has a preconditioner of its own, whose parts go on by themselves.
+        // A system of two fields has a preconditioner of its own, whose parts go on by themselves.
         if self.coupling.is_none()
             && (unsolved || report.failing_linear.is_some())
             && let Some(options) = LinearChoice::elimination(self.case, unknowns)
