@@ -131,6 +131,23 @@ pub fn lost_facets(mesh: &LocalMesh, sides: &[Sides], nodes: &Multipliers<'_>) -
     found
 }
 
+/// The facets of this rank without multipliers that supports have taken, if the nodes across from
+/// them are others, which need not be held: those of meshes that do not match. Local.
+pub fn held_facets(mesh: &LocalMesh, sides: &[Sides], nodes: &Multipliers<'_>) -> Vec<LostFacet> {
+    let mut found = Vec::new();
+    for (place, side) in sides.iter().enumerate() {
+        for facet in mesh.on_lip(side.interface, side.secondary) {
+            let is_held =
+                |name: &u64| nodes.is_without(*name, mesh.dim()) && !(nodes.is_lost)(*name);
+            let is_matched = || places(mesh, side, *facet).iter().all(|p| p.mate != NONE);
+            if names(mesh, *facet).iter().all(is_held) && !is_matched() {
+                found.push(LostFacet { side: place, facet: *facet });
+            }
+        }
+    }
+    found
+}
+
 impl Heirs {
     /// Those that the facets of this rank give. Local.
     pub fn here(mesh: &LocalMesh, sides: &[Sides], nodes: &Multipliers<'_>) -> Self {
@@ -239,6 +256,16 @@ impl Heirs {
     pub fn without(&self, mesh: &LocalMesh, sides: &[Sides], lost: &[LostFacet]) -> Vec<Facet> {
         let lost = lost.iter().filter(|lost| self.of_facet(mesh, sides, **lost).is_none());
         lost.map(|lost| lost.facet).collect()
+    }
+
+    /// The area of those held facets of each side that no multiplier acts on (m2; 2D: m). Local.
+    pub fn silent(&self, mesh: &LocalMesh, sides: &[Sides], held: &[LostFacet]) -> Vec<f64> {
+        let mut areas = vec![0.0; sides.len()];
+        for one in held.iter().filter(|one| self.of_facet(mesh, sides, **one).is_none()) {
+            let (facet, _) = space_facets(mesh, &sides[one.side], one.facet);
+            areas[one.side] += facet.rule().iter().map(|p| p.weight).sum::<f64>();
+        }
+        areas
     }
 
     /// Refuses facets no node of which has an heir. Local.

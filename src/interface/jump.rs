@@ -8,7 +8,7 @@
 //! secondary node owns its rows, and every rank that holds the node has a copy.
 
 use super::facet_terms::{Term, Uncovered, WEIGHT, integrate};
-use super::heirs::{Heirs, Multipliers, lost_facets};
+use super::heirs::{Heirs, Multipliers, held_facets, lost_facets};
 use super::sides::Sides;
 use crate::comm::Comm;
 use crate::error::Result;
@@ -174,14 +174,20 @@ pub fn jump_rows(
         terms = comm.agree(integrate(mesh, sides, components, &without))?;
     }
     let lost = if mesh.is_of_file() { lost_facets(mesh, sides, nodes) } else { Vec::new() };
-    if mesh.is_of_file() && comm.any(!lost.is_empty()) {
+    let mut remarks = Vec::new();
+    let held = if mesh.is_of_file() { held_facets(mesh, sides, nodes) } else { Vec::new() };
+    if mesh.is_of_file() && comm.any(!lost.is_empty() || !held.is_empty()) {
         let without = |name: u64| if uncovered.contains(name) { [true; 3] } else { fixed(name) };
         let nodes = Multipliers { fixed: &without, is_lost: nodes.is_lost };
-        let heirs = Heirs::here(mesh, sides, &nodes).everywhere(comm, directory, mesh, &lost);
+        let all = [&lost[..], &held[..]].concat();
+        let heirs = Heirs::here(mesh, sides, &nodes).everywhere(comm, directory, mesh, &all);
         AtNode::agree(comm, heirs.check(mesh, sides, &lost))?;
-        comm.agree(heirs.add_terms(mesh, sides, &lost, &mut terms))?;
+        comm.agree(heirs.add_terms(mesh, sides, &all, &mut terms))?;
+        let mut silent = heirs.silent(mesh, sides, &held);
+        comm.sum(&mut silent);
+        let silent = sides.iter().zip(silent).filter(|(_, area)| *area > 0.0);
+        remarks.extend(silent.map(|(side, area)| nothing_passes(mesh, side, area)));
     }
-    let mut remarks = Vec::new();
     if mesh.is_of_file() && components == mesh.dim() {
         for side in sides {
             let fit = terms.fits[side.interface];
@@ -202,6 +208,17 @@ pub fn jump_rows(
     rows.extend(fetch(comm, directory, &rows, &missing));
     rows.sort_by_key(|r| r.node);
     Ok((rows, remarks))
+}
+
+/// Says that no traction passes where the displacement of a secondary side is prescribed.
+fn nothing_passes(mesh: &LocalMesh, side: &Sides, area: f64) -> String {
+    let name = mesh.facts.names.get(side.interface).map_or("", String::as_str);
+    let unit = if mesh.dim() == 3 { "m2" } else { "m" };
+    format!(
+        "interface {name}: the displacement of {area:.4e} {unit} of its secondary side is \
+         prescribed, and no traction passes there; let `secondary: {}` carry the multipliers",
+        side.primary().name()
+    )
 }
 
 /// The terms of the nodes this rank owns, from all ranks. Collective.

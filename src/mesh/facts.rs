@@ -107,6 +107,9 @@ pub struct LipFacts {
     /// Whether it has triangles of second order, so that the ends of edges have a share in the
     /// displacement of their middles.
     pub has_shares: bool,
+    /// Surfaces of the case, one bit for each by its place in the list: those with all nodes of
+    /// some of its facets, and those with all of its nodes.
+    pub surfaces: [u128; 2],
 }
 
 /// The dual graph of a mesh in compressed form: cells that share a facet or face each other.

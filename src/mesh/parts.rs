@@ -85,6 +85,7 @@ impl WholeMesh {
                 order: self.shapes[cell].order(),
                 area,
                 has_shares: lip.iter().any(triangles),
+                surfaces: self.surfaces_of(lip),
             }
         })
     }

@@ -51,7 +51,14 @@ impl NodeFrame {
                     let inside = length(span.projection(*row));
                     !(ALIGNED..=1.0 - ALIGNED).contains(&inside)
                 };
-                is_at_odds = !rows[..dim].iter().all(is_kept_or_fixed);
+                // Supports that hold both tangents together, none of them along either, hold their
+                // neighbours at odds, beside which this node would keep its normal alone.
+                let is_along = |d: &[f64; 3], row: &[f64; 3]| dot(*d, *row).abs() > 1.0 - ALIGNED;
+                let is_beside = |d: &[f64; 3]| {
+                    dot(*d, n).abs() < ALIGNED && !rows[..dim].iter().any(|row| is_along(d, row))
+                };
+                is_at_odds =
+                    !rows[..dim].iter().all(is_kept_or_fixed) || directions.iter().any(is_beside);
                 match (is_at_odds, axes_will_do) {
                     (false, _) => Some(rows),
                     (true, true) => None,
@@ -223,6 +230,19 @@ mod tests {
         let frame = NodeFrame::new(2, Some(unit([-0.5, 0.8, 0.0])), &[X]);
         assert!(frame.is_at_odds);
         assert_eq!((frame.rotation, frame.fixed), (None, [true, false, false]));
+    }
+
+    #[test]
+    fn supports_beside_the_tangents_are_at_odds_together_too() {
+        let (a, b) = (unit([0.8, 0.6, 0.0]), unit([-0.6, 0.8, 0.0]));
+        let frame = NodeFrame::new(3, Some(Z), &[a]);
+        assert!(frame.is_at_odds);
+        let frame = NodeFrame::new(3, Some(Z), &[a, b]);
+        assert!(frame.is_at_odds);
+        assert_eq!(frame.fixed, [true, true, false]);
+        assert!(!NodeFrame::new(3, Some(Z), &[X, Y]).is_at_odds);
+        // A node that is held altogether has no multiplier anyway.
+        assert!(!NodeFrame::new(3, Some(Z), &[a, b, Z]).is_at_odds);
     }
 
     #[test]

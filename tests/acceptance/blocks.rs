@@ -11,6 +11,8 @@ pub struct Blocks {
     nodes: Vec<[f64; 3]>,
     names: Vec<(usize, String)>,
     elements: Vec<String>,
+    /// Whether hexahedra become two prisms each, with triangles across the third axis.
+    of_prisms: bool,
 }
 
 /// A block of quadrilaterals or hexahedra: where its lattice has its planes, and where its points
@@ -48,6 +50,11 @@ pub fn graded(size: f64, fine: f64, end: f64) -> Vec<f64> {
 }
 
 impl Blocks {
+    /// None yet; of hexahedra, or of prisms in their place.
+    pub fn of_prisms(of_prisms: bool) -> Self {
+        Self { of_prisms, ..Self::default() }
+    }
+
     /// Adds a block, with nodes of its own.
     pub fn add(&mut self, block: &Block<'_>) {
         let (o, dim) = (block.order, block.planes.len());
@@ -77,14 +84,29 @@ impl Blocks {
                         (2, _) => (10, all(&square(2))),
                         _ => (5, [all(&square(1)[..4]), all(&lifted(&square(1)[..4]))].concat()),
                     };
-                    self.element(kind, dim, block.name, &nodes);
+                    if kind == 5 && self.of_prisms {
+                        for [a, b] in [[1, 2], [2, 3]] {
+                            let halves = [0, a, b, 4, 4 + a, 4 + b].map(|corner| nodes[corner]);
+                            self.element(6, dim, block.name, &halves);
+                        }
+                    } else {
+                        self.element(kind, dim, block.name, &nodes);
+                    }
                     for (axis, is_far, name) in block.sides {
                         let index = [i, j, k][*axis];
                         if index != if *is_far { cells(*axis) - 1 } else { 0 } {
                             continue;
                         }
                         let (kind, offsets) = facet(dim, o, *axis, *is_far);
-                        self.element(kind, dim - 1, name, &all(&offsets));
+                        let mut nodes = all(&offsets);
+                        if self.of_prisms && *axis == 2 {
+                            nodes.rotate_left(usize::from(!is_far));
+                            let [a, b, c, d] = nodes[..] else { unreachable!("four corners") };
+                            self.element(2, 2, name, &[a, b, c]);
+                            self.element(2, 2, name, &[a, c, d]);
+                        } else {
+                            self.element(kind, dim - 1, name, &nodes);
+                        }
                     }
                 }
             }

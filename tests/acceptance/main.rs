@@ -30,6 +30,7 @@ mod faults;
 mod gallery;
 mod gaps;
 mod grid;
+mod held_sides;
 mod inclusions;
 mod initial_stress;
 

@@ -177,7 +177,15 @@ impl Column {
             }
             let order = self.order(face.body);
             let area = self.size[0] * if self.dim == 3 { self.size[1] } else { 1.0 };
-            LipFacts { body: face.body, cell, material, order, area, has_shares: false }
+            LipFacts {
+                body: face.body,
+                cell,
+                material,
+                order,
+                area,
+                has_shares: false,
+                surfaces: [0; 2],
+            }
         };
         MeshFacts {
             dim: self.dim,

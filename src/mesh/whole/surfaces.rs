@@ -6,7 +6,7 @@ use super::facet::WholeFacet;
 use super::facets::slot;
 use super::lips::sorted;
 use super::plan::Known;
-use super::types::WholeSurface;
+use super::types::{WholeMesh, WholeSurface};
 use super::words::{count, wrong};
 use crate::error::Result;
 
@@ -81,4 +81,19 @@ pub fn finish(
         ));
     }
     WholeSurface { facets, nodes }
+}
+
+impl WholeMesh {
+    /// Which surfaces hold all nodes of some of the facets, and of all of them.
+    pub(in crate::mesh) fn surfaces_of(&self, facets: &[WholeFacet]) -> [u128; 2] {
+        let (mut some, mut all) = (0, 0);
+        for (place, surface) in self.surfaces.iter().enumerate() {
+            let is_on = |facet: &WholeFacet| {
+                self.facet_nodes(*facet).all(|node| surface.nodes.binary_search(&node).is_ok())
+            };
+            some |= u128::from(facets.iter().any(is_on)) << place;
+            all |= u128::from(!facets.is_empty() && facets.iter().all(is_on)) << place;
+        }
+        [some, all]
+    }
 }
