@@ -237,8 +237,8 @@ impl Heirs {
         of_name.flat_map(|(key, heirs)| heirs.iter().flat_map(|heir| words(key, heir)))
     }
 
-    /// The heir of each node of a facet, that of another node where one has none; none if no node
-    /// has one. Local.
+    /// The heir of each node of a facet, the best one of the others where one has none; none if no
+    /// node has one. Local.
     fn of_facet(&self, mesh: &LocalMesh, sides: &[Sides], lost: LostFacet) -> Option<Vec<Heir>> {
         let side = &sides[lost.side];
         let heir = |(name, place): (u64, Place)| {
@@ -248,7 +248,7 @@ impl Heirs {
         let places = places(mesh, side, lost.facet);
         let heirs: Vec<Option<Heir>> =
             names(mesh, lost.facet).into_iter().zip(places).map(heir).collect();
-        let first = heirs.iter().find_map(|heir| *heir)?;
+        let first = *heirs.iter().flatten().min_by(|a, b| a.order(b))?;
         Some(heirs.into_iter().map(|heir| heir.unwrap_or(first)).collect())
     }
 
