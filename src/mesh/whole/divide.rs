@@ -6,6 +6,7 @@
 //! become triangles, tetrahedra and pyramids around a node in their middle; all their other sides
 //! stay as they are. Groups keep their elements: a divided element becomes its parts.
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use super::cells::{Cells, corner_count};
@@ -18,6 +19,8 @@ type Key = Vec<u32>;
 
 /// How far a node inside lies from the middle of its facet, on the way to its corner.
 const WAY: [f64; 3] = [1.0 / 3.0, 0.4, 1.0 / 3.0];
+/// Squared distances that differ by less than this part of their sum are the same.
+const EVEN: f64 = 1e-9;
 
 /// A facet that is divided: each corner, and the point inside that belongs to it.
 type Inside = BTreeMap<u32, u32>;
@@ -54,7 +57,8 @@ pub fn divide(
             if block.kind.dim() == dim {
                 work.add_cell(block.kind, nodes, tags, &mut made);
             } else if let Some(inside) = work.inside.get(&key(nodes)).cloned() {
-                parts(nodes, &inside).iter().for_each(|part| made.add_facet(part, tags));
+                let parts = parts(nodes, &inside, &work.file.points);
+                parts.iter().for_each(|part| made.add_facet(part, tags));
             } else {
                 made.add(block.kind, nodes, tags);
             }
@@ -177,7 +181,8 @@ impl Work {
             match self.inside.get(&key(facet)) {
                 None => add_cone(facet, centre, tags, made),
                 Some(inside) => {
-                    parts(facet, inside).iter().for_each(|p| add_cone(p, centre, tags, made));
+                    let parts = parts(facet, inside, &self.file.points);
+                    parts.iter().for_each(|part| add_cone(part, centre, tags, made));
                 }
             }
         }
@@ -195,7 +200,7 @@ fn add_cone(facet: &[u32], apex: u32, tags: Tags, made: &mut Blocks) {
 }
 
 /// The parts of a divided facet, each the same way round as its corners.
-fn parts(corners: &[u32], inside: &Inside) -> Vec<Vec<u32>> {
+fn parts(corners: &[u32], inside: &Inside, points: &[[f64; 3]]) -> Vec<Vec<u32>> {
     let inner: Vec<u32> = corners.iter().map(|corner| inside[corner]).collect();
     let ([first, second], count) = ([corners[0], corners[1]], corners.len());
     if count == 2 {
@@ -204,14 +209,31 @@ fn parts(corners: &[u32], inside: &Inside) -> Vec<Vec<u32>> {
     let mut parts = vec![inner.clone()];
     for (i, j) in (0..count).map(|i| (i, (i + 1) % count)) {
         let [a, b, c, d] = [corners[i], corners[j], inner[j], inner[i]];
-        match (count, a < b) {
-            (4, _) => parts.push(vec![a, b, c, d]),
+        if count == 4 {
+            parts.push(vec![a, b, c, d]);
+            continue;
+        }
+        let opposite = corners[(j + 1) % count];
+        match is_first(a, b, opposite, points) {
             // The same from the other side, where a and b change places.
-            (_, true) => parts.extend([vec![a, b, c], vec![a, c, d]]),
-            (_, false) => parts.extend([vec![a, b, d], vec![b, c, d]]),
+            true => parts.extend([vec![a, b, c], vec![a, c, d]]),
+            false => parts.extend([vec![a, b, d], vec![b, c, d]]),
         }
     }
     parts
+}
+
+/// Whether `a` comes before `b`: as the nearer one to `opposite`, else by its place. Numbers of
+/// nodes make no other mesh.
+fn is_first(a: u32, b: u32, opposite: u32, points: &[[f64; 3]]) -> bool {
+    let [p, q, r] = [a, b, opposite].map(|node| points[node as usize]);
+    let square = |x: [f64; 3]| (0..3).map(|i| (x[i] - r[i]).powi(2)).sum::<f64>();
+    let (one, other) = (square(p), square(q));
+    if (one - other).abs() > EVEN * (one + other) {
+        return one < other;
+    }
+    let places = p.iter().zip(&q).map(|(x, y)| x.total_cmp(y));
+    places.fold(Ordering::Equal, Ordering::then).then(a.cmp(&b)).is_lt()
 }
 
 /// The shape of cells of first order.

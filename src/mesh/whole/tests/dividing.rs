@@ -1,7 +1,7 @@
 //! Facets with nodes inside.
 
 use super::blocks::{block, group_cells, group_facets, made, request_on};
-use super::looks::volume;
+use super::looks::{look, volume};
 use crate::element::Shape;
 use crate::mesh::import::Kind;
 use crate::mesh::whole::{MaterialGroups, Request, WholeFacet, WholeMesh, area};
@@ -53,6 +53,26 @@ fn parts_fill_the_cells_and_the_joint() {
         };
         assert!(lower(&mesh).iter().all(|f| mesh.facet_nodes(*f).any(is_inside)), "{kind:?}");
         assert!(mesh.remarks.iter().any(|words| words.contains("got nodes inside")));
+    }
+}
+
+/// The same cells come of a file whose nodes have other numbers.
+#[test]
+fn numbers_of_nodes_make_no_other_parts() {
+    for kind in [Kind::Tri3, Kind::Hex8, Kind::Tet4, Kind::Prism6] {
+        let [one, other] = [false, true].map(|is_reversed| {
+            let (mut file, asked) = (cubes(kind), asked());
+            file.points.iter_mut().for_each(|p| *p = [p[0], p[1] + 0.3 * p[2], p[2]]);
+            if is_reversed {
+                file.points.reverse();
+                let last = file.points.len() as u32 - 1;
+                let nodes = file.blocks.iter_mut().flat_map(|block| &mut block.nodes);
+                nodes.for_each(|node| *node = last - *node);
+            }
+            let divided = lower(&made(&file, &asked));
+            look(&made(&file, &Request { divided, ..asked }))
+        });
+        assert_eq!(one, other, "{kind:?}");
     }
 }
 
